@@ -13,21 +13,23 @@ fn answer(planned: &str, run: &str, set: &[&str]) -> Value {
     shop.diagnose("model.toml", "records")
 }
 
+/// A shop without a section `[gap]`: as it has no simulated tool, its log is what is diagnosed.
 fn shipped(name: &str) -> String {
-    let path = command_line::shipped(&format!("shop/{name}"));
-    fs::read_to_string(path).expect("a shipped shop") + "\n[gap]\nprocess = \"shop\"\n"
+    fs::read_to_string(command_line::shipped(&format!("shop/{name}"))).expect("a shipped shop")
 }
 
 /// Exponential times, parts that go back, batches, limited places, shifts: what is as its file says is told so.
 #[test]
 fn shops_of_wide_times_and_of_queues_that_are_no_queues_are_told_to_be_right() {
     let spt: &[&str] = &["dispatch.rule=spt", "shop.horizon=400 h"];
-    let shops: [(&str, &[&str], Option<&str>); 5] = [
+    let shops: [(&str, &[&str], Option<&str>); 6] = [
         ("rework", &["shop.horizon=400 h"], None),
         ("rework", spt, Some("does not take the first that came")),
         ("furnace", &[], Some("several jobs at a time")),
         ("line", &["shop.horizon=400 h"], Some("places are limited")),
         ("cell", &[], None),
+        // Times that do not scatter at all beside exponential ones.
+        ("crib", &[], Some("jobs come when others have left")),
     ];
     for (name, set, untested) in shops {
         let model = shipped(name);
@@ -80,4 +82,16 @@ fn an_override_of_exponential_times_is_named() {
     assert_eq!((found["verdict"].as_str(), &names[..]), (Some("effect"), &["feed_override"][..]), "{}", found["notes"]);
     let size = found["effects"][0]["size"]["value"].as_f64().expect("a size");
     assert!((0.4..0.8).contains(&size), "{size}");
+}
+
+/// What the file says of edges that are ground again is moved as the times of parts are.
+#[test]
+fn the_grinding_of_edges_again_is_moved_as_other_work() {
+    let planned = shipped("crib");
+    let slower = planned.replace("mean = \"45 min\"", "mean = \"63 min\"");
+    assert_ne!(planned, slower);
+    let folder = GapFolder::new(&[("model.toml", &planned), ("shop.toml", &slower)]).with(&["shop.replications=1"]);
+    let [before, after] = folder.twice("", [5, 6]);
+    assert_ne!(before["verdict"], "no_gap", "{}", before["facts"]);
+    assert_eq!(after["verdict"], "no_gap", "{} {}", after["effects"], after["notes"]);
 }

@@ -9,6 +9,7 @@
 use crate::{Factor, Gram, factor, log_determinant, part, part_column};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
+use std::borrow::Cow;
 
 /// Prior standard deviation of an effect, in ordinary sizes: all but flat.
 pub const EFFECT_PRIOR: f64 = 20.0;
@@ -40,32 +41,72 @@ fn with_priors(gram: &Gram, at: &[usize], nuisance: usize) -> (DMatrix<f64>, DVe
 /// Solution and predictive densities of a model over the columns `at`, of which those not below
 /// `nuisance` are free and have to lie within the `range` of their column, where that begins at zero above it.
 pub fn evidence(gram: &Gram, at: &[usize], nuisance: usize, range: &dyn Fn(usize) -> [f64; 2]) -> Evidence {
-    let (all, right) = with_priors(gram, at, nuisance);
-    let whole = factor(all.clone());
-    let log_whole = log_determinant(&whole);
-    let solution = whole.solve(&right);
-    let squares = gram.total[(gram.last(), gram.last())];
-    let profile = -0.5 * (squares - right.dot(&solution));
-    let admissible = (0..at.len()).filter(|i| at[*i] >= nuisance).all(|i| {
-        let [least, greatest] = range(at[i]);
-        let signed = least < 0.0 || solution[i] > 0.0;
-        let beyond = (solution[i] - greatest).max(least - solution[i]);
-        signed && (beyond <= 0.0 || beyond <= BEYOND * error(&whole, i))
-    });
-    let fold = |(matrix, determinant): (&DMatrix<f64>, &f64)| -> f64 {
-        let (held, held_right) = (part(matrix, at, at), part_column(matrix, at, gram.last()));
-        let squares = matrix[(gram.last(), gram.last())];
-        let train = factor(&all - &held);
-        let log_train = log_determinant(&train);
-        let beta = train.solve(&(&right - &held_right));
-        let explained = &held * &beta;
-        let gradient = &held_right - &explained;
-        let quadratic =
-            squares - 2.0 * beta.dot(&held_right) + beta.dot(&explained) - gradient.dot(&whole.solve(&gradient));
-        -0.5 * (quadratic + log_whole - log_train + determinant)
-    };
-    let folds = gram.folds.par_iter().zip(&gram.log_determinants).map(fold).collect();
-    Evidence { profile, folds, admissible }
+    Factored::new(gram, at, nuisance).with(&[], range)
+}
+
+/// The factors of a model's normal equations: a model with a few more columns needs no new ones.
+pub struct Factored<'a> {
+    gram: &'a Gram,
+    at: Vec<usize>,
+    nuisance: usize,
+    whole: Factor,
+    /// Without each fold.
+    trains: Vec<Factor>,
+}
+
+impl<'a> Factored<'a> {
+    /// Of a model over the columns `at`, of which those not below `nuisance` are free.
+    pub fn new(gram: &'a Gram, at: &[usize], nuisance: usize) -> Self {
+        let (all, _) = with_priors(gram, at, nuisance);
+        let train = |held: &DMatrix<f64>| factor(&all - part(held, at, at));
+        let trains = gram.folds.par_iter().map(train).collect();
+        Self { gram, at: at.to_vec(), nuisance, whole: factor(all), trains }
+    }
+
+    /// Solution and predictive densities of the model with the columns `more`, of which those not below the nuisance have to
+    /// lie within the `range` of their column, where that begins at zero above it.
+    pub fn with(&self, more: &[usize], range: &dyn Fn(usize) -> [f64; 2]) -> Evidence {
+        let (gram, nuisance) = (self.gram, self.nuisance);
+        let at: Vec<usize> = self.at.iter().chain(more).copied().collect();
+        let (all, right) = with_priors(gram, &at, nuisance);
+        let whole = extended(&self.whole, &all);
+        let log_whole = log_determinant(&whole);
+        let solution = whole.solve(&right);
+        let squares = gram.total[(gram.last(), gram.last())];
+        let profile = -0.5 * (squares - right.dot(&solution));
+        let admissible = (0..at.len()).filter(|i| at[*i] >= nuisance).all(|i| {
+            let [least, greatest] = range(at[i]);
+            let signed = least < 0.0 || solution[i] > 0.0;
+            let beyond = (solution[i] - greatest).max(least - solution[i]);
+            signed && (beyond <= 0.0 || beyond <= BEYOND * error(&whole, i))
+        });
+        let fold = |((matrix, determinant), train): ((&DMatrix<f64>, &f64), &Factor)| -> f64 {
+            let (held, held_right) = (part(matrix, &at, &at), part_column(matrix, &at, gram.last()));
+            let squares = matrix[(gram.last(), gram.last())];
+            let train = extended(train, &(&all - &held));
+            let log_train = log_determinant(&train);
+            let beta = train.solve(&(&right - &held_right));
+            let explained = &held * &beta;
+            let gradient = &held_right - &explained;
+            let quadratic =
+                squares - 2.0 * beta.dot(&held_right) + beta.dot(&explained) - gradient.dot(&whole.solve(&gradient));
+            -0.5 * (quadratic + log_whole - log_train + determinant)
+        };
+        let folds = gram.folds.par_iter().zip(&gram.log_determinants).zip(&self.trains).map(fold).collect();
+        Evidence { profile, folds, admissible }
+    }
+}
+
+/// The factor of `matrix`, of which `factored` is that of the first rows and columns.
+fn extended<'a>(factored: &'a Factor, matrix: &DMatrix<f64>) -> Cow<'a, Factor> {
+    let mut known = Cow::Borrowed(factored);
+    for place in factored.l_dirty().nrows()..matrix.nrows() {
+        let column: DVector<f64> = matrix.view((0, place), (place + 1, 1)).column(0).into_owned();
+        known = Cow::Owned(known.insert_column(place, column));
+    }
+    // A diagonal that rounding has spoilt is lifted where all is factored anew.
+    let definite = known.l_dirty().diagonal().iter().all(|own| own.is_finite() && *own > 0.0);
+    if definite { known } else { Cow::Owned(factor(matrix.clone())) }
 }
 
 /// Standard deviation of unknown `i` of normal equations.
@@ -170,6 +211,29 @@ mod tests {
             ([f64::NEG_INFINITY, f64::INFINITY], true),
         ] {
             assert_eq!(admissible(range), kept, "{range:?}");
+        }
+    }
+
+    #[test]
+    fn a_model_with_more_columns_is_that_of_all_of_them() {
+        // Nine readings of four columns and a residual in three folds; the last two columns are effects.
+        let x = DMatrix::from_fn(9, 5, |i, j| ((3 * i + 5 * j + i * j) % 7) as f64 - 3.0);
+        let folds: Vec<DMatrix<f64>> = (0..3).map(|fold| x.rows(3 * fold, 3).tr_mul(&x.rows(3 * fold, 3))).collect();
+        let gram = Gram {
+            log_determinants: vec![0.0; 3],
+            total: folds.iter().sum(),
+            folds,
+            log_determinant: 0.0,
+            lengths: DVector::zeros(5),
+        };
+        let free = |_: usize| [f64::NEG_INFINITY, f64::INFINITY];
+        let base = Factored::new(&gram, &[0, 1], 2);
+        for more in [&[][..], &[2], &[3], &[3, 2]] {
+            let at = [&[0, 1], more].concat();
+            let (one, other) = (base.with(more, &free), evidence(&gram, &at, 2, &free));
+            assert!((one.profile - other.profile).abs() < 1e-10, "{more:?}: {one:?} {other:?}");
+            let folds = one.folds.iter().zip(&other.folds);
+            assert!(folds.clone().all(|(a, b)| (a - b).abs() < 1e-10) && folds.count() == 3, "{one:?} {other:?}");
         }
     }
 

@@ -19,7 +19,7 @@ mod matrix;
 
 pub use amplitude::amplitudes;
 pub use evidence::{
-    EFFECT_PRIOR, Evidence, evidence, gain, left_out_solutions, marginal, predictive_gain, solution, within,
+    EFFECT_PRIOR, Evidence, Factored, evidence, gain, left_out_solutions, marginal, predictive_gain, solution, within,
 };
 pub use gram::{Batch, Gram};
 pub use kernel::matern_columns;

@@ -2,7 +2,7 @@
 
 use super::Measured;
 pub(crate) use toolroom_evidence::{
-    EFFECT_PRIOR, Evidence, evidence, gain, left_out_solutions, marginal, predictive_gain, solution, within,
+    EFFECT_PRIOR, Evidence, Factored, evidence, gain, left_out_solutions, marginal, predictive_gain, solution, within,
 };
 
 /// Groups left out at a time are as many as give at most this many folds.

@@ -14,12 +14,12 @@ use rayon::prelude::*;
 /// What the dictionary finds beside the nominal model, single effects by falling gain, and the refitted ones.
 pub(super) fn singles(context: Diagnosing<'_>, base: &Trial) -> (Remainder, Vec<Single>, Vec<Trial>) {
     let (model, count) = (context.model, context.candidates());
-    let scores = base.strengths();
+    let (scores, looked_at) = (base.strengths(), base.looked_at());
     let single = |candidate: usize| Single {
         candidate,
         id: model.frame().candidates[candidate].id,
         score: scores[candidate],
-        evidence: base.with(candidate),
+        evidence: looked_at.with(&[candidate]),
         trial: None,
     };
     let (before, mut singles): (Remainder, Vec<Single>) =
@@ -127,9 +127,17 @@ fn beside(model: &dyn Forward, trial: &Trial, most: usize) -> Vec<Vec<usize>> {
         let alike = |index: &usize| candidates[*index].id == candidates[other].id;
         trial.fit.active.iter().filter(|index| alike(index)).any(|index| !apart(model, *index, other))
     };
-    let mut leads: Vec<(usize, f64)> = (0..candidates.len())
-        .filter(|other| !known(*other) && scores[*other] > PAIRED_SCORE)
-        .map(|other| (other, trial.with(other)))
+    let asked: Vec<usize> =
+        (0..candidates.len()).filter(|other| !known(*other) && scores[*other] > PAIRED_SCORE).collect();
+    if asked.is_empty() {
+        return Vec::new();
+    }
+    let looked_at = trial.looked_at();
+    let mut leads: Vec<(usize, f64)> = asked
+        .into_par_iter()
+        .map(|other| (other, looked_at.with(&[other])))
+        .collect::<Vec<_>>()
+        .into_iter()
         .filter(|(_, evidence)| evidence.admissible)
         .map(|(other, evidence)| (other, gain(&evidence, &trial.evidence)))
         .filter(|(_, lead)| *lead >= PAIRED_LEAD)

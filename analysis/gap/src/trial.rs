@@ -1,7 +1,7 @@
 //! Models that are tried: none, one or two effects, or a generic signature.
 
 use super::basis::warm;
-use super::evidence::{Evidence, evidence};
+use super::evidence::{Evidence, Factored, evidence};
 use super::fit::{Fit, fit, offset_residual};
 use super::generic::{self, Signature};
 use super::gram::{factor, inverse_diagonal, part, part_column};
@@ -11,6 +11,24 @@ use super::{Basis, Candidate, Forward, Gram, Linear, tolerance};
 /// Move of the factor of an edge, in prior standard deviations, from which a fit starts at the
 /// ordinary size of an effect too.
 const FAR_EDGE: f64 = 0.3;
+
+/// A model beside which many candidates are looked at without a new fit.
+pub struct LookedAt<'a> {
+    trial: &'a Trial,
+    factored: Factored<'a>,
+}
+
+impl LookedAt<'_> {
+    /// Evidence of the same model with more candidates, without a new fit.
+    pub fn with(&self, candidates: &[usize]) -> Evidence {
+        let Trial { shared, two_sided, .. } = self.trial;
+        // Far from a size that fits, an effect that is not linear asks for more than it will be: no range holds yet.
+        let range = |column: usize| [if two_sided[column - shared] { f64::NEG_INFINITY } else { 0.0 }, f64::INFINITY];
+        let more: Vec<usize> = candidates.iter().map(|index| shared + index).collect();
+        let active: Vec<usize> = self.trial.fit.active.iter().chain(candidates).copied().collect();
+        self.trial.shaped(self.factored.with(&more, &range), &active)
+    }
+}
 
 /// A model with some effects, fitted, with its evidence on groups left out.
 #[derive(Clone, Debug)]
@@ -112,19 +130,10 @@ impl Trial {
         Self { reach, ..self }
     }
 
-    /// Evidence of the same model with one more candidate, without a new fit.
-    pub fn with(&self, candidate: usize) -> Evidence {
-        self.with_all(&[candidate])
-    }
-
-    /// Evidence of the same model with more candidates, without a new fit.
-    pub fn with_all(&self, candidates: &[usize]) -> Evidence {
-        let mut active = self.fit.active.clone();
-        active.extend(candidates);
-        // Far from a size that fits, an effect that is not linear asks for more than it will be: no range holds yet.
-        let range =
-            |column: usize| [if self.two_sided[column - self.shared] { f64::NEG_INFINITY } else { 0.0 }, f64::INFINITY];
-        self.shaped(evidence(&self.gram, &columns(self.shared, &active), self.shared, &range), &active)
+    /// The model as others with more candidates are looked at.
+    pub fn looked_at(&self) -> LookedAt<'_> {
+        let factored = Factored::new(&self.gram, &columns(self.shared, &self.fit.active), self.shared);
+        LookedAt { trial: self, factored }
     }
 
     /// Scores of all candidates beside those that are active.

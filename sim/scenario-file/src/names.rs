@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use toml::de::{DeTable, DeValue};
 use toolroom_effects::Definition;
 use toolroom_form::{Fault, Section, SectionValue, Span, Value, Walk, nearest};
-use toolroom_scenario::{Fixture, ToolType};
+use toolroom_scenario::{Fixture, Part, ToolType};
 
 /// Machines, tools and calendars under their names, as references see them.
 #[derive(Default)]
@@ -56,14 +56,26 @@ impl Named {
         }
         for (part, table) in raw_names(raw(root, "part")) {
             for (operation, _) in raw_names(table.get("operation").map(|raw| raw.get_ref())) {
-                all.programs.push(format!("{part}/{operation}"));
-                if !all.operations.iter().any(|known| known == operation) {
-                    all.operations.push(operation.to_owned());
-                }
+                all.add_operation(part, operation);
             }
             all.parts.push(part.to_owned());
         }
         all
+    }
+
+    fn add_operation(&mut self, part: &str, operation: &str) {
+        self.programs.push(format!("{part}/{operation}"));
+        if !self.operations.iter().any(|known| known == operation) {
+            self.operations.push(operation.to_owned());
+        }
+    }
+
+    /// Adds parts that have no section of their own, as the edges of a crib that are ground again.
+    pub(super) fn add(&mut self, parts: &[Part]) {
+        for part in parts {
+            part.operations.iter().for_each(|operation| self.add_operation(&part.name, &operation.name));
+            self.parts.push(part.name.clone());
+        }
     }
 }
 

@@ -62,7 +62,9 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<ScenarioCo
     processes::check_edges(walk, root, &tools, &machines);
     let mut parts = routing::parts(walk, root, &mut names, &machines, &tools);
     let known: Vec<_> = tools.iter().map(|tool| (tool.tool.as_ref(), tool.life_only)).collect();
+    let named = parts.len();
     let cribs = cribs::cribs(walk, root, (&names, &machines), &known, &mut parts);
+    names.all.add(&parts[named..]);
     let maintenance = cribs::maintenance(walk, root, &names);
     let arrivals = rules::arrivals(walk, root, &names);
     let tables = walk.table(root, "tables");
