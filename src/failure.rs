@@ -31,6 +31,8 @@ pub enum Failure {
     },
     /// An argument that cannot be used.
     Argument {
+        /// A word for programs.
+        code: &'static str,
         /// What is wrong.
         message: String,
         /// The likely fix.
@@ -84,12 +86,19 @@ pub enum Failure {
 impl Failure {
     /// An argument that cannot be used, with the likely fix.
     pub fn argument(message: impl fmt::Display, help: impl fmt::Display) -> Self {
-        Self::Argument { message: message.to_string(), help: Some(help.to_string()), at: None }
+        Self::argument_of(codes::ARGUMENT, message, help)
     }
 
-    /// An error that knows the file and line at fault, with the likely fix.
-    pub fn located(error: impl fmt::Display + Located, help: impl fmt::Display) -> Self {
-        Self::argument(&error, help).at(error.location())
+    /// The same with a word for programs.
+    pub fn argument_of(code: &'static str, message: impl fmt::Display, help: impl fmt::Display) -> Self {
+        Self::Argument { code, message: message.to_string(), help: Some(help.to_string()), at: None }
+    }
+
+    /// An error that knows the file and line at fault, with the likely fix. Where the system did not give the file, the code is that
+    /// of a file that cannot be read, whichever verb asked for it.
+    pub fn located(error: impl Error + Located + 'static, help: impl fmt::Display) -> Self {
+        let code = if is_of_system(&error) { codes::UNREADABLE } else { codes::ARGUMENT };
+        Self::argument_of(code, &error, help).at(error.location())
     }
 
     /// What is wrong with a file as a whole, with the likely fix.
@@ -100,12 +109,12 @@ impl Failure {
     /// A file that the system does not open, with the likely fix.
     pub fn unreadable(file: &Path, error: impl fmt::Display, help: impl fmt::Display) -> Self {
         let message = format!("{} cannot be read: {error}", file.display());
-        Self::argument(message, help).at(Some(Location::of(file.display())))
+        Self::argument_of(codes::UNREADABLE, message, help).at(Some(Location::of(file.display())))
     }
 
     /// A file that cannot be read.
     pub fn unread(file: &Path) -> impl Fn(io::Error) -> Self {
-        |error| Self::of_file(file, error, "check the path")
+        |error| Self::unreadable(file, error, "check the path")
     }
 
     /// The same about a place in a file.
@@ -143,9 +152,8 @@ impl Failure {
     /// A word for programs.
     pub fn code(&self) -> &'static str {
         match self {
-            Self::Work { code, .. } | Self::Stopped { code, .. } => code,
+            Self::Argument { code, .. } | Self::Work { code, .. } | Self::Stopped { code, .. } => code,
             Self::File(_) | Self::Tables { .. } => codes::UNREADABLE,
-            Self::Argument { .. } => codes::ARGUMENT,
             Self::Json(_) => codes::WORK,
             Self::TooLittle { .. } => codes::TOO_LITTLE,
             Self::Alarm { .. } => codes::ALARM,
@@ -205,7 +213,8 @@ impl From<ShopImportError> for Failure {
             ShopImportError::Read(error) => error.into(),
             ShopImportError::Cells { faults, more } => Self::Tables { faults, more },
             table @ ShopImportError::Table { .. } => {
-                Self::Argument { at: table.location(), message: table.to_string(), help: fix.map(str::to_owned) }
+                let (at, message) = (table.location(), table.to_string());
+                Self::Argument { code: codes::ARGUMENT, message, help: fix.map(str::to_owned), at }
             }
         }
     }
@@ -272,6 +281,11 @@ impl From<KindError> for Failure {
         let fix = error.fix();
         if let KindError::Read(error) = error { error.into() } else { Self::located(error, fix) }
     }
+}
+
+/// Whether an error comes from the system, which did not open or read a file.
+fn is_of_system(error: &(dyn Error + 'static)) -> bool {
+    error.is::<io::Error>() || error.source().is_some_and(is_of_system)
 }
 
 /// The code of the refusal of a model or of the stop of a shop that an error comes from, where it has one.

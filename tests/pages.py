@@ -44,6 +44,8 @@ SHOPS = {
     "orders": ["run", "shop/orders.toml", "--replications", "5"],
     "rework": ["run", "shop/rework.toml", "--replications", "2"],
     "running": ["compare", "shop/running.toml", "--replications", "2"],
+    "tuned-ten": ["compare", "constant-vs-adaptive.toml", "--replications", "3", "--tune", "--set", "tune.budget=100",
+                  "--set", "shop.horizon=16 h", "--set", "shop.warm_up=0 h"],
     "tuned": ["compare", "constant-vs-adaptive.toml", "--replications", "4", "--tune", "--set", "tune.budget=100",
               "--policy", "constant", "--policy", "best cost", "--policy", "schedule", "--policy", "productivity"],
 }

@@ -4,6 +4,7 @@ import _thread
 import os
 import pickle
 import signal
+import sys
 import threading
 import time
 import zipfile
@@ -127,6 +128,27 @@ def test_a_bare_number_stands_in_the_unit_of_the_file(tmp_path, shipped):
     assert row[price] == 9 and row["cost_per_part"] == words.policies[row["policy"]]["cost_per_part"]["mean"]
     with pytest.raises(tr.Error, match="unit"):
         tr.scenario(path, {"machine.M.coolant_change": 90})
+
+
+def test_a_sweep_is_drawn_with_its_intervals(shipped, monkeypatch):
+    pyplot = pytest.importorskip("matplotlib.pyplot")
+    pyplot.switch_backend("agg")
+    seeds, prices = [1, 2], ["6 EUR", "9 EUR"]
+    sweep = tr.sweep(shipped / "template.toml", {"shop.seed": seeds, "tool.insert.edge_cost": prices}, replications=2)
+    axes = sweep.plot().axes[0]
+    labels = [text.get_text() for text in axes.get_legend().get_texts()]
+    policies = list(sweep.comparisons[0].policies)
+    # One line a policy and price: a line through both prices would go back and forth.
+    assert labels == [f"{policy}, tool.insert.edge_cost = {price}" for price in prices for policy in policies]
+    drawn = axes.containers[0].lines[0]
+    mean = sweep.comparisons[0].policies[policies[0]]["cost_per_part"]["mean"]
+    assert list(drawn.get_xdata()) == seeds and drawn.get_ydata()[0] == mean
+    assert not pyplot.get_fignums(), "an open figure is shown twice in a notebook"
+    with pytest.raises(tr.Error, match="no key figure"):
+        sweep.plot("cost")
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    with pytest.raises(tr.Error, match="pip install matplotlib"):
+        sweep.plot()
 
 
 def test_reports_are_written_once(tmp_path, shipped):

@@ -7,7 +7,7 @@ use crate::progress::Bar;
 use crate::speak::Voice;
 use std::path::{Path, PathBuf};
 use toolroom_calibrate::{CalibrationStudy, Clock, DrawnTable, EdgeStart, Process, Verdict};
-use toolroom_output::{Files, provenance};
+use toolroom_output::{Files, codes, provenance};
 
 pub fn run(
     args: &CalibrationData,
@@ -48,7 +48,10 @@ pub fn run(
     let bar = Bar::of(voice, "parts");
     let result = study.run(&toolroom_parquet::read_cells, &|done, total| bar.part(done, total));
     bar.finish();
-    let result = result.map_err(|refusal| Failure::argument(&refusal.reason, &refusal.fix).at(refusal.at))?;
+    let result = result.map_err(|refusal| {
+        let code = if refusal.is_unreadable { codes::UNREADABLE } else { codes::ARGUMENT };
+        Failure::argument_of(code, &refusal.reason, &refusal.fix).at(refusal.at)
+    })?;
     let calibration = &result.calibration;
     voice.say(result.read.to_string().trim_end());
     let advice = args.decision.as_deref().map(|path| decision::advise(path, calibration)).transpose()?;

@@ -97,6 +97,8 @@ pub struct Refusal {
     pub fix: String,
     /// The file and line at fault, where one is.
     pub at: Option<Location>,
+    /// Whether the system did not give that file.
+    pub is_unreadable: bool,
 }
 
 impl Refusal {
@@ -108,7 +110,7 @@ impl Refusal {
 
 /// A refusal with a reason and what helps.
 fn refuse(reason: impl Display, fix: impl Display) -> Refusal {
-    Refusal { reason: reason.to_string(), fix: fix.to_string(), at: None }
+    Refusal { reason: reason.to_string(), fix: fix.to_string(), at: None, is_unreadable: false }
 }
 
 /// A finished study.
@@ -385,8 +387,8 @@ impl CalibrationStudy {
                 Err(refuse(error, fix).at(at))
             }
             Err(error) => {
-                let at = error.location();
-                Err(refuse(error, "check the path and the columns").at(at))
+                let (at, is_unreadable) = (error.location(), matches!(error, RecordError::Unreadable { .. }));
+                Err(Refusal { is_unreadable, ..refuse(error, "check the path and the columns").at(at) })
             }
         }
     }

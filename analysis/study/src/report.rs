@@ -247,7 +247,10 @@ fn notes(source: &Source<'_>) -> Section {
     if let Some(text) = source.study.sequential_text() {
         section = section.paragraph(format!("These are {text}."));
     }
-    section.list(definitions.map(|kpi| format!("{}: {}", label(source.scenario, kpi), kpi.definition.doc)))
+    section.folded(
+        "What every key figure is",
+        definitions.map(|kpi| format!("{}: {}", label(source.scenario, kpi), kpi.definition.doc)),
+    )
 }
 
 #[cfg(test)]

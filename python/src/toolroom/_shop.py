@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any, Callable, Mapping, Optional, Sequence, Union
 
 from . import _native
+from ._error import Error
 from ._study import Changes, PathLike, Study, changes
 from ._table import Table
 
@@ -245,18 +246,36 @@ class Sweep:
         self.comparisons = comparisons
 
     def plot(self, kpi: str = "cost_per_part") -> Any:
-        """A figure of matplotlib: a key figure of every policy over the first key."""
-        from matplotlib import pyplot
+        """A figure of matplotlib: a key figure with its 95 % intervals over the first key.
 
+        Every policy has a line, for each combination of the further keys. Needs matplotlib; `Error` without it, and for a key
+        figure that the table does not have.
+        """
+        lines: dict[str, list[dict[str, Any]]] = {}
+        for row in self.table.rows():
+            if kpi not in row:
+                known = ", ".join(name for name in row if f"{name} low" in row)
+                raise Error(f"there is no key figure `{kpi}`", code="argument", help=f"one of {known}")
+            further = [f"{key} = {row[key]}" for key in self.keys[1:]]
+            lines.setdefault(", ".join([row["policy"], *further]), []).append(row)
+        try:
+            from matplotlib import pyplot
+        except ImportError as missing:
+            message = "pictures of a sweep need matplotlib"
+            raise Error(message, code="work", help="pip install matplotlib") from missing
         figure, axes = pyplot.subplots()
-        frame = self.table.to_pandas()
-        for policy, rows in frame.groupby("policy", sort=False):
-            middle = rows[kpi]
-            error = [middle - rows[f"{kpi} low"], rows[f"{kpi} high"] - middle]
-            axes.errorbar(rows[self.keys[0]], middle, yerror=error, label=policy, marker="o", capsize=3)
+        for name, rows in lines.items():
+            low, middle, high = (
+                [float("nan") if row[column] is None else row[column] for row in rows]
+                for column in (f"{kpi} low", kpi, f"{kpi} high")
+            )
+            error = [[m - l for m, l in zip(middle, low)], [h - m for h, m in zip(high, middle)]]
+            axes.errorbar([row[self.keys[0]] for row in rows], middle, yerr=error, label=name, marker="o", capsize=3)
         axes.set_xlabel(self.keys[0])
         axes.set_ylabel(kpi)
         axes.legend()
+        # A notebook shows what a cell returns; an open figure would be shown a second time.
+        pyplot.close(figure)
         return figure
 
     def __repr__(self) -> str:

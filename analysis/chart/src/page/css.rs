@@ -25,10 +25,12 @@ border:1px solid var(--rule);border-top:0}\
 nav h2{font-size:15px;margin:0 0 4px}nav ol{margin:0;padding-left:22px;columns:2;column-gap:32px}nav li{break-inside:avoid}\
 figure{margin:4px 0 6px}figcaption{font-size:14px;color:var(--tr-muted);margin-top:6px;max-width:80ch}\
 .blocks{display:grid;grid-template-columns:minmax(0,1fr);gap:0 32px;align-items:start}\
-@media (min-width:1240px){.blocks{grid-template-columns:repeat(2,minmax(0,1fr))}.blocks>.wide,.blocks>.scroll:only-child,.blocks>.scroll:last-child:nth-child(odd){grid-column:1/-1}section>p,section>ul{max-width:none}section>ul{columns:3;column-gap:32px;font-size:13px}nav ol{columns:4}}\
+@media (min-width:1240px){.blocks{grid-template-columns:repeat(2,minmax(0,1fr))}.blocks>.wide,.blocks>.scroll:only-child,.blocks>.scroll:last-child:nth-child(odd){grid-column:1/-1}section>p,section>ul{max-width:none}section>ul,.fold>ul{columns:3;column-gap:32px;font-size:13px}nav ol{columns:4}}\
 .choice{margin:12px 0 0}.choice>.panel{display:none}.choice>.panel>figure{margin-top:8px}\
 .choice>input{position:absolute;opacity:0}.choice>label{display:inline-block;margin:0 4px 4px 0;padding:2px 10px;font-size:13px;\
 border:1px solid var(--rule);border-radius:4px;cursor:pointer}.choice>input:focus-visible+label{outline:2px solid var(--link)}\
+.fold>input{position:absolute;opacity:0}.fold>label{cursor:pointer;color:var(--link)}.fold>label::after{content:' \u{25b8}'}\
+.fold>input:checked+label::after{content:' \u{25be}'}.fold>input:focus-visible+label{outline:2px solid var(--link)}.fold>input:not(:checked)~ul{display:none}\
 figcaption b{color:var(--tr-ink);font-weight:600}\
 .chart{overflow-x:auto}.chart>svg{display:block;width:100%;min-width:560px;height:auto}\
 .scroll{overflow:auto;max-height:350px;margin:6px 0 8px;container-type:inline-size}.scroll>table{margin:0}.scroll thead th{position:sticky;top:0;background:var(--tr-paper)}\
@@ -52,7 +54,7 @@ const PRINT: &str = "\
 @page{margin:14mm}\
 body{max-width:none;background:none;font-size:10.5pt}header,section,nav,footer{border:0;padding:8px 0}\
 figure,.tiles,tr,.remark,.scroll{break-inside:avoid}h2{break-after:avoid}details{display:none}table,.scroll>table{font-size:7.5pt}th,td{padding-right:6px;overflow-wrap:break-word}.num{white-space:nowrap}thead th,thead th.num{white-space:normal}.wide>table{font-size:6.5pt}\
-.blocks{display:block}.choice>input,.choice>label{display:none}.choice>.panel{display:block}\
+.blocks{display:block}.choice>input,.choice>label{display:none}.fold>input:not(:checked)~ul{display:block}.fold>label::after{content:none}.choice>.panel{display:block}\
 .chart,.scroll{overflow:visible;max-height:none}.chart>svg{min-width:0}*{print-color-adjust:exact;-webkit-print-color-adjust:exact}";
 
 /// The figure and the name of the radio button that is set, for every place that a choice has.

@@ -63,6 +63,7 @@ const WIDE: usize = 10;
 enum Item {
     Paragraph(String),
     List(Vec<String>),
+    Folded(String, Vec<String>),
     Note(String),
     Warning(String),
     Table(String, Table),
@@ -75,7 +76,7 @@ impl Item {
     fn is_block(&self) -> bool {
         match self {
             Self::Table(..) | Self::Figure(_) | Self::Choice(_) => true,
-            Self::Paragraph(_) | Self::List(_) | Self::Note(_) | Self::Warning(_) => false,
+            Self::Paragraph(_) | Self::List(_) | Self::Folded(..) | Self::Note(_) | Self::Warning(_) => false,
         }
     }
 
@@ -84,14 +85,8 @@ impl Item {
             Self::Paragraph(text) => {
                 let _ = write!(out, "<p>{}</p>", escape(text));
             }
-            Self::List(entries) if !entries.is_empty() => {
-                out.push_str("<ul>");
-                for entry in entries {
-                    let _ = write!(out, "<li>{}</li>", escape(entry));
-                }
-                out.push_str("</ul>");
-            }
-            Self::List(_) => {}
+            Self::List(entries) => write_list(out, entries),
+            Self::Folded(title, entries) => write_folded(out, title, entries),
             Self::Note(text) => {
                 let _ = write!(out, "<p class=\"remark\"><b>Note.</b> {}</p>", escape(text));
             }
@@ -106,6 +101,32 @@ impl Item {
             Self::Choice(choices) => write_choice(out, choices, figures),
         }
     }
+}
+
+fn write_list(text: &mut String, entries: &[String]) {
+    if entries.is_empty() {
+        return;
+    }
+    text.push_str("<ul>");
+    for entry in entries {
+        let _ = write!(text, "<li>{}</li>", escape(entry));
+    }
+    text.push_str("</ul>");
+}
+
+/// A button and the list that it shows. A page on paper shows the list; a closed `<details>` would not be printed.
+fn write_folded(text: &mut String, title: &str, entries: &[String]) {
+    if entries.is_empty() {
+        return;
+    }
+    let id = format!("fold-{}", text.len());
+    let _ = write!(
+        text,
+        "<div class=\"fold\"><input type=\"checkbox\" id=\"{id}\"/><label for=\"{id}\">{}</label>",
+        escape(title)
+    );
+    write_list(text, entries);
+    text.push_str("</div>");
 }
 
 /// Radio buttons with the names, then the figures; the style sheet shows the figure of the button that is set. A page
@@ -160,6 +181,12 @@ impl Section {
     #[must_use]
     pub fn list<S: Into<String>>(self, items: impl IntoIterator<Item = S>) -> Self {
         self.with(Item::List(items.into_iter().map(Into::into).collect()))
+    }
+
+    /// Adds a list for reference under its title: a click shows it, paper always does.
+    #[must_use]
+    pub fn folded<S: Into<String>>(self, title: impl Into<String>, items: impl IntoIterator<Item = S>) -> Self {
+        self.with(Item::Folded(title.into(), items.into_iter().map(Into::into).collect()))
     }
 
     /// Adds a remark that the reader should not miss.

@@ -18,6 +18,7 @@ fn full(text: &str) -> Report {
         let section = Section::new(text)
             .paragraph(text)
             .list([text])
+            .folded(text, [text])
             .note(text)
             .warning(text)
             .table(text, Table::new([text, text]).row([text.into(), Cell::Number(1.5)]))

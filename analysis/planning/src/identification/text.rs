@@ -16,7 +16,7 @@ impl IdentificationStudy {
         let mut text = format!("{}: {} trial{plural}\n", self.title, self.trials.len());
         let _ = writeln!(
             text,
-            "  {:14} {:>9} {:>8} {:>9} {:>9} {:>10} {:>10} {:>7}",
+            "  {:14} {:>8} {:>7} {:>8} {:>8} {:>9} {:>9} {:>6}",
             "trial", "K", "± sd", "by stock", "by force", "Cp, N/um", "J, N/um", "Pz/Py"
         );
         let number =
@@ -24,7 +24,7 @@ impl IdentificationStudy {
         for trial in &found.trials {
             let _ = writeln!(
                 text,
-                "  {:14} {:>9.5} {:>8.4} {:>9} {:>9} {:>10} {:>10} {:>7}",
+                "  {:14} {:>8.5} {:>7.4} {:>8} {:>8} {:>9} {:>9} {:>6}",
                 shortened(&trial.trial_id),
                 trial.lag.value,
                 trial.lag.sd,

@@ -248,7 +248,9 @@ impl Decision {
                 notes.push(format!("{} loses to {}: {told}", policy.name, policies[other].name));
             }
         }
-        notes.extend(bounds(scenario, policies, &|position| sign * (mean(other) - mean(position))));
+        let gain = |position: usize| sign * (mean(other) - mean(position));
+        let is_certain = |position: usize| judge(&against(position).scaled(sign)) == Outcome::Wins;
+        notes.extend(bounds(scenario, policies, &gain, &is_certain));
         Self { outcome, adaptive, rival, difference: Some(difference), confidence, line, notes }
     }
 
@@ -356,8 +358,14 @@ fn standing_as_given(tuning: &Tuning) -> Vec<String> {
     given.map(|(name, reason)| format!("{name} stands as given and is no rival: {reason}")).collect()
 }
 
-/// What the rules that know more gain over the rival, and the share of it that the same rule reaches with its sensors.
-fn bounds(scenario: &Scenario, policies: &[PolicyResult], gain: &dyn Fn(usize) -> f64) -> Vec<String> {
+/// What the rules that know more gain over the rival, and the share of it that the same rule reaches with its sensors. A gain that
+/// is not told from chance bounds nothing: shares of it would be any number.
+fn bounds(
+    scenario: &Scenario,
+    policies: &[PolicyResult],
+    gain: &dyn Fn(usize) -> f64,
+    is_certain: &dyn Fn(usize) -> bool,
+) -> Vec<String> {
     let rule = |position: usize| &scenario.policies[policies[position].policy];
     let law = |position: usize| {
         let speed = rule(position).speed;
@@ -370,8 +378,12 @@ fn bounds(scenario: &Scenario, policies: &[PolicyResult], gain: &dyn Fn(usize) -
             (0..policies.len()).find(|&real| policies[real].role == Role::Adaptive && law(real) == law(oracle))?;
         let (most, reached) = (gain(oracle), gain(real));
         let share = 100.0 * reached / most;
-        (most > 0.0 && share.is_finite()).then(|| {
-            let reached = if share > 0.0 { format!("{} %", plain(share, 0)) } else { "nothing".to_owned() };
+        (most > 0.0 && share.is_finite() && is_certain(oracle)).then(|| {
+            let reached = match share {
+                share if share <= 0.0 => "nothing".to_owned(),
+                share if share >= 100.0 => "all".to_owned(),
+                share => format!("{} %", plain(share, 0)),
+            };
             format!(
                 "{} bounds {}: it gains {} over the rival, of which {reached} is reached",
                 policies[oracle].name,

@@ -14,7 +14,7 @@ pub(super) fn section(tuning: &Tuning, source: &Source<'_>) -> Section {
          judges it on seed {}. What a policy costs more when it is judged than it did while it was tuned is optimism.",
         tuning.objective, tuning.budget, tuning.seed, source.scenario.seed
     );
-    let mut table = Table::new(["policy", "settings", "nearly as good", "tuned", "judged", "edges lost in cut, %"]);
+    let mut table = Table::new(["policy", "settings", "nearly as good", "tuned", "judged", "edges lost, %"]);
     let index = source.study.index(&tuning.objective);
     let more = index.is_some_and(|index| source.study.kpis[index].definition.better == Better::More);
     for (position, policy) in source.comparison.policies.iter().enumerate() {
@@ -37,26 +37,33 @@ pub(super) fn section(tuning: &Tuning, source: &Source<'_>) -> Section {
         table.push([
             policy.name.as_str().into(),
             Cell::Text(settings),
-            Cell::Text(list(&|setting| format!("{} … {}", setting.flat.0, setting.flat.1))),
+            Cell::Text(list(&nearly_as_good)),
             Cell::Text(shown(tuned.objective, digits)),
             Cell::Text(shown(judged.filter(|_| tuned.is_tuned()).map(|judged| judged.mean), digits)),
             Cell::Text(shown(tuned.failed.map(|share| 100.0 * share), 1)),
         ]);
     }
-    let mut section = Section::new("Settings that were compared").paragraph(intro).table("Tuned settings", table);
+    let maps =
+        tuning.policies.iter().filter_map(|policy| Some((policy.name.clone(), settings_map(tuning, policy, more)?)));
+    // Nothing stands between the table and the maps, so that they share a row of a wide screen.
+    let mut section =
+        Section::new("Settings that were compared").paragraph(intro).table("Tuned settings", table).choice(maps);
     if let Some(verdict) = &tuning.without_guard {
         section = section.note(format!(
             "The guard excludes settings that would cost less. Without it the verdict is: {}.",
             verdict.line.trim_end_matches('.')
         ));
     }
-    let maps =
-        tuning.policies.iter().filter_map(|policy| Some((policy.name.clone(), settings_map(tuning, policy, more)?)));
-    section = section.choice(maps);
     for price in source.comparison.turning_prices() {
         section = section.note(super::sentence(&price.describe()));
     }
     section
+}
+
+/// The range of a setting within which the objective is nearly as good; the value alone where no other one is.
+fn nearly_as_good(setting: &TunedSetting) -> String {
+    let (low, high) = &setting.flat;
+    if low == high { low.clone() } else { format!("{low} … {high}") }
 }
 
 /// How much worse the objective of one policy is over its two settings than at the best of the first grid, in per cent; `more` says
