@@ -180,6 +180,18 @@ fn a_tool_with_constants_in_place_is_that_of_a_file_with_them() {
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
     assert!(text(&output.stdout).contains("extended_taylor.speed_exponent: is 4"), "{}", text(&output.stdout));
     assert_eq!(key_figures(folder, &shop(folder, "./baked.toml"), &[]), by_file);
+    // How well a life of the tool is known goes with it, as `calibrate` writes it into a first set.
+    let life = "handbook = { one_life = { life = \"15 min\", cutting_speed = \"200 m/min\" } }";
+    let one_life = shop_with(folder, "life.toml", "c45_t15k6", life);
+    let output = toolroom(&["calibrate", "--bake", &one_life, "--tool", "insert", "--force", "--out", &baked]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let set = fs::read_to_string(&baked).expect("a set");
+    let factor = |key: &str| -> f64 {
+        let line = set.lines().find_map(|line| line.strip_prefix(&format!("\"{key}\" = {{ factor = ")));
+        line.and_then(|line| line.trim_end_matches(" }").parse().ok()).unwrap_or_else(|| panic!("{key}: {set}"))
+    };
+    assert!((factor("extended_taylor.reference_life") - 0.25_f64.exp()).abs() < 1e-6, "{set}");
+    assert!((factor("extended_taylor.speed_exponent") - 0.3_f64.exp()).abs() < 1e-6, "{set}");
 }
 
 #[test]

@@ -75,6 +75,7 @@ pub fn bake(scenario: &Scenario, tool: &str, place: &str, folder: &Path) -> Resu
         set = set.under_law(turning.pair.law.group(), catalogue);
     }
     let mut moved = stated(&mut set, named, place);
+    known(&mut set, named);
     let mut left_out = Vec::new();
     let mut rates: Vec<Calibration> = Vec::new();
     for calibration in &scenario.calibrations {
@@ -144,6 +145,29 @@ fn rate(set: &mut ParameterSet, rates: Vec<Calibration>, place: &str, left_out: 
     }
     Some(format!("{}: times {factor:.5}, in {}", word.word(), keys.join(" and ")))
 }
+
+/// How well the tool's values are known by what it states beside the set: lives and constants of a handbook come with spreads of
+/// their own.
+fn known(set: &mut ParameterSet, tool: &ToolType) {
+    // Draws say more than a set can hold; its own section stands.
+    if tool.posterior.is_some() {
+        return;
+    }
+    for (key, deviation) in &tool.spreads.parameters {
+        let Some(value) = set.values.iter().find(|value| value.key() == *key) else { continue };
+        let same = match set.prior.get(key) {
+            Some(Spread::Factor(factor)) => (factor.ln() - deviation).abs() <= SAME,
+            Some(Spread::Deviation(own)) => (own / value.field.to_display(value.value) - deviation).abs() <= SAME,
+            None => false,
+        };
+        if !same {
+            set.prior.insert(key.clone(), Spread::Factor(deviation.exp()));
+        }
+    }
+}
+
+/// Relative deviations that differ by less are the same number, read and written.
+const SAME: f64 = 1e-9;
 
 /// Values of the tool that the scenario states beside the set (`parameters`, `handbook`).
 fn stated(set: &mut ParameterSet, tool: &ToolType, place: &str) -> Vec<String> {

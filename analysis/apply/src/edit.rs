@@ -9,6 +9,7 @@ use crate::values::unreadable;
 use serde_json::Value;
 use toml_edit::Item;
 use toolroom_effects::Effect;
+use toolroom_gap::EffectId;
 use toolroom_scenario::ShopEffect;
 
 /// What is to be applied to which text.
@@ -76,7 +77,9 @@ pub fn apply(request: Request<'_>) -> Result<Changes, ApplyError> {
         return Err(error);
     }
     let effects = list("effects");
-    let effects: Vec<&Value> = effects.iter().filter(wanted).copied().collect();
+    let mut effects: Vec<&Value> = effects.iter().filter(wanted).copied().collect();
+    // What rapid motions have beside the acceleration of the axes is added to it.
+    effects.sort_by_key(|own| own["id"] != EffectId::AXIS_ACCELERATION.word());
     let mut constants = if request.calibration { list("calibration") } else { Vec::new() };
     // A constant that was named is chosen by its name, as effects are.
     constants.retain(|own| own["id"].is_null() || wanted(&own));

@@ -61,6 +61,18 @@ impl EffectId {
     pub const SPINDLE_RAMP: Self = row(PROGRAM_EFFECTS, "spindle_ramp");
     /// Axes settle where a stop ends a motion.
     pub const STOP_SETTLING: Self = row(PROGRAM_EFFECTS, "stop_settling");
+    /// Rapid motions accelerate more slowly.
+    pub const RAPID_ACCELERATION: Self = row(PROGRAM_EFFECTS, "rapid_acceleration");
+    /// Accelerations build up more slowly.
+    pub const JERK: Self = row(PROGRAM_EFFECTS, "jerk");
+    /// Corners are passed more slowly.
+    pub const CORNER_SLOWING: Self = row(PROGRAM_EFFECTS, "corner_slowing");
+    /// The control prepares short blocks more slowly.
+    pub const BLOCK_TIME: Self = row(PROGRAM_EFFECTS, "block_time");
+    /// The end of a program takes time.
+    pub const PROGRAM_END: Self = row(PROGRAM_EFFECTS, "program_end");
+    /// The magazine turns to the next tool.
+    pub const MAGAZINE_DISTANCE: Self = row(PROGRAM_EFFECTS, "magazine_distance");
     /// A channel responds to a condition that the model leaves out.
     pub const CONDITION_RESPONSE: Self = row(EMPIRICAL_EFFECTS, "condition_response");
     /// A fresh edge wears faster.

@@ -55,8 +55,10 @@ impl Direction {
         match self {
             Self::Parameter(i) => ahead.parameters[i] += STEP,
             Self::Effect(i) => {
-                ahead.effects[i] += EFFECT_STEP * frame.candidates[i].typical;
-                return (ahead, EFFECT_STEP);
+                let onset = frame.onsets.get(i).copied().filter(|_| point.effects[i] == 0.0);
+                let step = EFFECT_STEP.max(onset.unwrap_or(0.0));
+                ahead.effects[i] += step * frame.candidates[i].typical;
+                return (ahead, step);
             }
             Self::Local(i) => ahead.locals[i].iter_mut().for_each(|x| *x += STEP),
         }

@@ -84,6 +84,9 @@ pub struct Frame {
     pub locals: Vec<Local>,
     /// Effects that may be missing.
     pub candidates: Vec<Candidate>,
+    /// Size of each candidate up to which it may do nothing at all, in ordinary sizes: from zero its derivative is taken that far;
+    /// none of the candidates behind its end.
+    pub onsets: Vec<f64>,
     /// Effects that a user has defined, whether or not they are among the candidates.
     pub defined: Vec<&'static Definition>,
     /// Effects of the process that are not among them, and why.
@@ -119,6 +122,7 @@ impl Frame {
             families: Vec::new(),
             locals: Vec::new(),
             candidates: Vec::new(),
+            onsets: Vec::new(),
             defined: Vec::new(),
             untried: Vec::new(),
             covariates: Vec::new(),

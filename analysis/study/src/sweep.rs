@@ -1,12 +1,14 @@
 //! The comparison at several values of one key.
 
-use crate::compare::Crossing;
+mod turn;
+
 use crate::figure::{decimals, plain};
 use serde_json::{Value, json};
 use std::fmt::Write;
 use toolroom_chart::page::{Figure, Report, Section};
 use toolroom_chart::{Axis, ColourMap, HeatMap, Plot, Style, number};
 use toolroom_form::significant;
+use turn::Turn;
 
 /// Points of a sweep; more are a slip of the step.
 const MOST: usize = 1000;
@@ -32,9 +34,6 @@ pub struct SweepResult {
     /// Whether each value has settings of its own.
     pub retuned: bool,
 }
-
-/// Confidence of the value at which a decision turns.
-const CONFIDENCE: f64 = 0.90;
 
 /// Why there is no sweep.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -109,7 +108,8 @@ impl Sweep {
             |(price, rows): (String, Vec<Vec<f64>>)| json!({ "price": price, "factors": PRICES, "difference": rows });
         let maps: Vec<Value> = maps(summaries).into_iter().map(map).collect();
         let unit = self.unit();
-        let inside = self.turn(result).filter(|turn| self.holds(turn.at));
+        let turn = self.turn(result);
+        let inside = turn.crossing.filter(|turn| self.holds(turn.at));
         let turns_at = inside.map(|turn| format!("{:.2} {unit}", turn.at).trim_end().to_owned());
         let break_even = json!([{
             "key": self.key,
@@ -117,6 +117,8 @@ impl Sweep {
             "flips_at": inside.map(|turn| turn.at),
             "ci90": inside.and_then(|turn| turn.interval).map(|(low, high)| [low, high]),
             "retuned": result.retuned,
+            "between": turn.between,
+            "notes": turn.notes(&self.key, &self.values),
         }]);
         json!({ "schema": 1, "key": self.key, "points": points, "turns_at": turns_at, "break_even": break_even, "maps": maps })
     }
@@ -291,27 +293,23 @@ impl Sweep {
         numbers.first().is_some_and(|first| number >= *first) && numbers.last().is_some_and(|last| number <= *last)
     }
 
-    /// Where a line through the differences of the decision is zero: a line through those of each replication, as all values see
-    /// the same random numbers, and of these lines the ratio of means with its interval. `None` with fewer than three values.
-    fn turn(&self, result: &SweepResult) -> Option<Crossing> {
-        let numbers: Vec<f64> = self.numbers().into_iter().take(result.pairs.len()).collect();
-        let replications = result.pairs.iter().map(Vec::len).min().filter(|_| numbers.len() >= 3)?;
-        let count = numbers.len() as f64;
-        let mean = numbers.iter().sum::<f64>() / count;
-        let spread = numbers.iter().map(|number| (number - mean).powi(2)).sum::<f64>();
-        let line = |replication: usize| {
-            let differences = || result.pairs.iter().map(|pairs| pairs[replication]);
-            let slope = numbers.iter().zip(differences()).map(|(x, y)| (x - mean) * y).sum::<f64>() / spread;
-            (differences().sum::<f64>() / count - slope * mean, slope)
-        };
-        let (a, b): (Vec<f64>, Vec<f64>) = (0..replications).map(line).unzip();
-        (replications > 0).then(|| Crossing::of(&a, &b, CONFIDENCE))
+    /// Where a line through the differences of the decision is zero ([`Turn`]).
+    fn turn(&self, result: &SweepResult) -> Turn {
+        Turn::new(&self.numbers(), &result.pairs, &result.summaries)
     }
 
     /// The same in words.
     fn turning(&self, result: &SweepResult) -> Option<String> {
-        let (turn, unit) = (self.turn(result)?, self.unit());
-        let settings = if result.retuned { "tuned anew at each value" } else { "held" };
+        let turn = self.turn(result);
+        let notes = turn.notes(&self.key, &self.values);
+        let line = self.line(&turn, result.retuned);
+        let said: Vec<String> = line.into_iter().chain(notes).collect();
+        (!said.is_empty()).then(|| said.join("; "))
+    }
+
+    fn line(&self, turn: &Turn, retuned: bool) -> Option<String> {
+        let (turn, unit) = (turn.crossing?, self.unit());
+        let settings = if retuned { "tuned anew at each value" } else { "held" };
         if !self.holds(turn.at) {
             let (first, last) = (self.values.first()?, self.values.last()?);
             return Some(format!(

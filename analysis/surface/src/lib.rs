@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!  values by setting and replication ──► means under common random numbers, variance of a value
-//!        ──► quadratic surface around the best ──► variance of what the surface leaves out
+//!        ──► quadratic surface through all, or those around the best where all deny one ──► variance of what the surface leaves out
 //!        ──► estimates: the surface, and as much of each point's own deviation as its replications bear out
 //! ```
 //! The least of many noisy means is mostly a lucky one, and each mean rests on its own replications alone. A surface rests on all

@@ -2,9 +2,12 @@
 
 use nalgebra::{DMatrix, DVector};
 
-/// Farthest point on any axis, in steps of the first grid, that the surface has to fit (assumption): a parabola describes a
-/// valley, not the walls around it.
-const REACH: f64 = 2.6;
+/// Farthest points on any axis, in steps of the first grid, that the surface has to fit (assumptions): all of them where they do not
+/// deny a parabola, else those nearer by. A parabola describes a valley, not the walls around it; but where the valley is flat or the
+/// readings are noisy, its floor is told by points far off.
+const REACHES: [f64; 3] = [f64::INFINITY, 4.5, 2.6];
+/// Standard deviations of chi square by which it may exceed its mean where readings do not deny a surface (assumption).
+const DENIED: f64 = 2.0;
 /// Points beside the coefficients without which no surface is fitted (assumption).
 const SPARE: usize = 2;
 /// Steps of the search for the least of the surface, a step of the first grid each (assumption).
@@ -44,12 +47,24 @@ fn row(at: &[f64], centre: &[f64]) -> Vec<f64> {
 }
 
 impl Surface {
-    /// Through the points around one of them; `None` where there are too few.
+    /// Through the points around one of them, as far as a quadratic surface describes them; `None` where there are too few.
     pub fn around(readings: &[Reading<'_>], best: usize) -> Option<Self> {
+        let mut found = Self::within(readings, best, REACHES[0])?;
+        for reach in &REACHES[1..] {
+            if !found.1 {
+                break;
+            }
+            found = Self::within(readings, best, *reach)?;
+        }
+        Some(found.0)
+    }
+
+    /// Through the points within a reach, and whether their readings deny such a surface.
+    fn within(readings: &[Reading<'_>], best: usize, reach: f64) -> Option<(Self, bool)> {
         let centre = readings.get(best)?.at.to_vec();
         let near = |place: &usize| {
             let apart = readings[*place].at.iter().zip(&centre).map(|(at, centre)| (at - centre).abs());
-            readings[*place].mean.is_finite() && apart.fold(0.0, f64::max) <= REACH
+            readings[*place].mean.is_finite() && apart.fold(0.0, f64::max) <= reach
         };
         let fitted: Vec<usize> = (0..readings.len()).filter(near).collect();
         let rows: Vec<Vec<f64>> = fitted.iter().map(|place| row(readings[*place].at, &centre)).collect();
@@ -74,7 +89,9 @@ impl Surface {
         let spread = read.variance();
         let least = 1e-9 * spread + f64::MIN_POSITIVE;
         let (mut low, mut high) = (least, least + spread);
-        if fit(low)?.2 <= free {
+        let squares = fit(low)?.2;
+        let denied = squares > free + DENIED * (2.0 * free).sqrt();
+        if squares <= free {
             high = low;
         }
         while high / low > 1.01 {
@@ -87,7 +104,7 @@ impl Surface {
             places.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)))
         };
         let ends = (0..centre.len()).map(end).collect();
-        Some(Self { centre, coefficients, covariance, fitted, ends, deviation: high })
+        Some((Self { centre, coefficients, covariance, fitted, ends, deviation: high }, denied))
     }
 
     /// The surface at a place.

@@ -93,17 +93,32 @@ impl<'a> Field<'a> {
         }
         let mut looked = 2 * first;
         for (round, count) in FINALISTS.into_iter().enumerate() {
+            let last = round + 1 == FINALISTS.len();
+            if last {
+                self.add_floor(looked)?;
+            }
             let finalists: Vec<usize> = self.best(looked).into_iter().take(count).collect();
             let left = (budget - self.runs_spent) as usize;
-            let share = if round + 1 < FINALISTS.len() { left / 2 } else { left };
+            // What the last replications tell of the floor is looked at once more.
+            let share = if last { left.saturating_sub(2 * first) } else { left / 2 };
             looked += share / finalists.len().max(1);
             self.run_to(&finalists, looked)?;
         }
-        if let Some(&best) = self.best(looked).first() {
+        self.add_floor(2 * first)?;
+        if let Some(&best) = self.best(2 * first).first() {
             let count = self.points[best].runs.len() + (budget - self.runs_spent) as usize;
             self.run_to(&[best], count)?;
         }
         Ok(())
+    }
+
+    /// Tries the settings at the least of the surface, which rests on all replications, while that of the points tried so far is partly
+    /// luck.
+    fn add_floor(&mut self, count: usize) -> Result<(), TuneError> {
+        let Some(settings) = self.outlook().floor(self) else { return Ok(()) };
+        let before = self.points.len();
+        self.add(&[settings])?;
+        self.run_to(&(before..self.points.len()).collect::<Vec<_>>(), count)
     }
 
     /// All combinations of the values of the axes.

@@ -3,11 +3,11 @@
 //!
 //! ```text
 //!  grid of settings ──► few replications of each ──► border? extend ──► the better third: more replications
-//!        ──► surface through all of them ──► finer grid around its minimum ──► the best few: what is left
+//!        ──► surface through all of them ──► finer grid around its minimum ──► the best few ──► its minimum itself: what is left
 //! ```
 //! All settings of all rules see the same random numbers, so that what a replication costs everybody can be told from what a
 //! setting costs. The best setting is that of the least estimate ([`toolroom_surface`]): a quadratic surface through the
-//! settings around the best, and as much of each setting's own deviation from it as its replications bear out. The least
+//! settings that lie on one, and as much of each setting's own deviation from it as its replications bear out. The least
 //! of the settings' own means would mostly be a lucky one. Settings that lose more edges than the guard allows are no rivals.
 //!
 //! Halving the field takes the place of a selection with a promised probability (Kim and Nelson 2001): with the default

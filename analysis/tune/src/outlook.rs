@@ -108,6 +108,12 @@ impl Outlook {
         self.guards.iter().all(|(shares, limit)| shares.at(at, deviations).is_none_or(|share| share <= *limit))
     }
 
+    /// Settings at the least of the surface that the guard allows; `None` without a surface or such a place.
+    pub fn floor(&self, field: &Field<'_>) -> Option<Vec<f64>> {
+        let least = self.estimates.least(|at| self.allows(at, 1.0))?;
+        Some(field.axes.iter().zip(&least).map(|(axis, place)| axis.value(*place)).collect())
+    }
+
     /// Settings to try next: a grid of this step around the least of the surface, around the point number `best` where there
     /// is none. Where the guard excludes the least of the surface, the best settings lie at its edge, between two points of any
     /// grid: then the best that it allows along lines through the least that it allows. The flag says that they do.

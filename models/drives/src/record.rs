@@ -145,16 +145,17 @@ impl Drives {
         }
     }
 
+    /// Inverse of the acceleration of rapid motions, s²/m: their own, else that along the path; 0 where none is needed.
+    pub fn rapid_inertia(&self) -> f64 {
+        if self.inverse_rapid_acceleration > 0.0 { self.inverse_rapid_acceleration } else { self.inverse_acceleration }
+    }
+
     /// Rapid speed, m/s, and acceleration, m/s² (0 where none is needed), of axis `k` of X Y Z A B C U V W; those of
     /// rotary axes are not used.
     fn axis(&self, k: usize) -> (f64, f64) {
         let speed = [self.rapid_ratio_x, self.rapid_ratio_y, self.rapid_ratio_z];
         let acceleration = [self.acceleration_ratio_x, self.acceleration_ratio_y, self.acceleration_ratio_z];
-        let inverse = if self.inverse_rapid_acceleration > 0.0 {
-            self.inverse_rapid_acceleration
-        } else {
-            self.inverse_acceleration
-        };
+        let inverse = self.rapid_inertia();
         let ratio = |list: [f64; 3]| list.get(k).copied().unwrap_or(1.0);
         (self.rapid_speed * ratio(speed), if inverse > 0.0 { ratio(acceleration) / inverse } else { 0.0 })
     }

@@ -38,6 +38,18 @@ record! {
         spindle_ramp: Real["s" => "s"] = 0.0, 0.0..=600.0;
         /// Time that the axes need to settle where a stop ends a motion at feed.
         stop_settling: Real["s" => "s"] = 0.0, 0.0..=60.0;
+        /// What the inverse acceleration of rapid motions has beside that of the machine file.
+        rapid_acceleration: Real["s2/m" => "s2/m"] = 0.0, 0.0..=100.0;
+        /// What the time in which an acceleration builds up has beside that of the machine file.
+        jerk: Real["s" => "ms"] = 0.0, 0.0..=1.0;
+        /// What the inverse of the distance by which corners may be rounded has beside that of the machine file.
+        corner_slowing: Real["1/m" => "1/um"] = 0.0, 0.0..=1e9;
+        /// What the least time of a motion at feed has beside that of the machine file.
+        block_time: Real["s" => "ms"] = 0.0, 0.0..=1.0;
+        /// Time of the end of a program, beside waiting for the spindle.
+        program_end: Real["s" => "s"] = 0.0, 0.0..=3600.0;
+        /// Time of a tool change for each pocket between the old tool and the new one.
+        magazine_distance: Real["s" => "s"] = 0.0, 0.0..=60.0;
     }
 }
 
@@ -181,6 +193,72 @@ pub const PROGRAM_EFFECTS: &[CatalogueEntry] = &[
         confounder: "axis_acceleration",
         separating_test: "time a program of many rapid motions and one of few",
         source: "logs of the NIST smart manufacturing test bed: 0.36 s behind feed motions; constant time is an assumption",
+        processes: &[("program", Search::Shaped)],
+    },
+    CatalogueEntry {
+        id: "rapid_acceleration",
+        title: "rapid motions accelerate more slowly",
+        size: &ProgramDeviations::<f64>::FIELDS[2],
+        channels: &[rises("cycle_time")],
+        regime: "rapid motions, by their number and speed",
+        confounder: "stop_settling",
+        separating_test: "time short and long rapid motions of one number",
+        source: "trapezoidal speed profile of rapid motions (Biagiotti & Melchiorri 2008, recalled)",
+        processes: &[("program", Search::Shaped)],
+    },
+    CatalogueEntry {
+        id: "jerk",
+        title: "accelerations build up more slowly",
+        size: &ProgramDeviations::<f64>::FIELDS[3],
+        channels: &[rises("cycle_time")],
+        regime: "changes of speed, by their number at every feed and by more at a high one",
+        confounder: "stop_settling",
+        separating_test: "exact stops at three feeds without rapid motions between them",
+        source: "double S speed profile (Biagiotti & Melchiorri 2008, recalled)",
+        processes: &[("program", Search::Shaped)],
+    },
+    CatalogueEntry {
+        id: "corner_slowing",
+        title: "corners are passed more slowly",
+        size: &ProgramDeviations::<f64>::FIELDS[4],
+        channels: &[rises("cycle_time")],
+        regime: "corners without a stop, by how sharp they are",
+        confounder: "axis_acceleration",
+        separating_test: "time a polygon and a long line of one length",
+        source: "corner speed of Jeon, Improving Grbl: cornering algorithm (2011)",
+        processes: &[("program", Search::Shaped)],
+    },
+    CatalogueEntry {
+        id: "block_time",
+        title: "the control prepares short blocks more slowly",
+        size: &ProgramDeviations::<f64>::FIELDS[5],
+        channels: &[rises("cycle_time")],
+        regime: "blocks at feed that are shorter than it",
+        confounder: "corner_slowing",
+        separating_test: "time a straight line in blocks of 0.1 mm and in one block",
+        source: "a control reads a number of blocks a second; one time for all of them is an assumption",
+        processes: &[("program", Search::Shaped)],
+    },
+    CatalogueEntry {
+        id: "program_end",
+        title: "the end of a program takes time",
+        size: &ProgramDeviations::<f64>::FIELDS[6],
+        channels: &[rises("cycle_time")],
+        regime: "the last stretch of a program",
+        confounder: "spindle_ramp",
+        separating_test: "time an end behind a spindle that stands and one behind a fast spindle",
+        source: "logs of the NIST smart manufacturing test bed: 0.2 s behind waiting for the spindle; constant time is an assumption",
+        processes: &[("program", Search::Shaped)],
+    },
+    CatalogueEntry {
+        id: "magazine_distance",
+        title: "the magazine turns to the next tool",
+        size: &ProgramDeviations::<f64>::FIELDS[7],
+        channels: &[rises("cycle_time")],
+        regime: "tool changes, by the pockets between the old tool and the new one",
+        confounder: "tool_change_delay",
+        separating_test: "time changes to the next pocket and to the far side of the magazine",
+        source: "carousel without an arm that waits; pockets in the order of tool numbers are an assumption",
         processes: &[("program", Search::Shaped)],
     },
 ];

@@ -10,6 +10,8 @@
 //! the noise and no run counts for another; and groups are the sections of one tool, so that an
 //! effect must help to predict tools which the fit has not seen.
 
+mod action;
+mod catalogue;
 mod file;
 mod rows;
 
@@ -17,20 +19,19 @@ pub use file::CODES;
 pub(super) use file::{FORM, section};
 
 use super::features::{self, standardised};
-use super::search;
 use super::settings::Settings;
 use super::{
-    Candidate, Channel, ChannelId, Covariate, EffectId, EffectRefusal, Forward, Frame, Measured, Movable, Parameter,
-    Point, Role, Surface, Transform, WrittenEffect,
+    Channel, ChannelId, Covariate, EffectRefusal, Forward, Frame, Measured, Movable, Parameter, Point, Role, Surface,
+    Transform, WrittenEffect,
 };
+use action::{Action, EACH_ALIKE};
 use rows::{Rows, rows};
-use toolroom_drives::{Drives, times};
-use toolroom_form::significant as rounded;
+use toolroom_drives::{Deviation, Drives, times};
 use toolroom_innovations::Chain;
-use toolroom_program::{Action as Happens, Program};
+use toolroom_program::Program;
 use toolroom_records::{Records, Sensor};
 use toolroom_scenario::Target;
-use toolroom_scenario::effects::{PROGRAM_EFFECTS, SHOP_EFFECTS, ShopDeviations};
+use toolroom_scenario::effects::ShopDeviations;
 
 /// What is known of a machine and its programs before any measurement.
 #[derive(Clone, Debug, Default)]
@@ -46,14 +47,9 @@ pub struct ProgramModel {
 }
 
 impl ProgramModel {
-    /// The greatest speed of the spindle that the programs command, rad/s.
-    fn greatest_speed(&self) -> Option<f64> {
-        let blocks = self.programs.iter().flat_map(|(_, program)| &program.blocks);
-        let speeds = blocks.flat_map(|block| &block.actions).filter_map(|(_, action)| match action {
-            Happens::Spindle(speed, _) => Some(speed * std::f64::consts::TAU / 60.0),
-            Happens::Coolant(_) | Happens::Stop | Happens::Change(_) | Happens::Home(_) | Happens::End => None,
-        });
-        speeds.filter(|speed| *speed > 0.0).max_by(f64::total_cmp)
+    /// Drives with the acceleration that is switched on as an effect.
+    fn accelerated(&self, drives: &Drives) -> Drives {
+        Drives { inverse_acceleration: drives.inverse_acceleration + self.effects.axis_acceleration, ..*drives }
     }
 }
 
@@ -72,57 +68,6 @@ const WHOLE: Sensor = Sensor { absolute: 0.5, relative: 0.05, resolution: 0.0 };
 const CHANGE_SCATTER: f64 = 2.0;
 const HOLE_SCATTER: f64 = 0.2;
 const HOLD_SCATTER: f64 = 0.3;
-/// Corner deviations, um, and jerk times, ms, with which an acceleration is tried (assumptions). The least
-/// deviations are those of controllers that nearly stop at every corner.
-const CORNERS: [f64; 5] = [0.01, 0.1, 1.0, 10.0, 100.0];
-const JERKS: [f64; 3] = [0.0, 10.0, 30.0];
-
-/// Base speeds of a spindle over its greatest speed, with which a ramp is tried: from constant power throughout to constant
-/// torque throughout (assumptions).
-const BASES: [f64; 5] = [0.0, 0.15, 0.3, 0.5, 1.0];
-/// Settling behind a rapid motion over that behind a motion at feed (assumptions).
-const BEHIND_RAPID: [f64; 3] = [0.0, 0.15, 1.0];
-
-/// How a candidate acts.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Action {
-    /// Time on every row, s per size.
-    Feature(usize),
-    /// Acceleration with this corner deviation, m, and jerk time, s.
-    Acceleration(f64, f64),
-    /// Ramp of the spindle with this base speed and that at which the size is stated, rad/s.
-    Spindle { base: f64, reference: f64 },
-    /// Settling, behind a rapid motion this share of it.
-    Settling(f64),
-}
-
-impl Action {
-    /// Drives on which it acts with a size.
-    fn change(self, size: f64, drives: &mut Drives) {
-        match self {
-            Self::Feature(_) => {}
-            Self::Acceleration(corner, jerk) => {
-                drives.inverse_acceleration += size;
-                drives.corner_deviation = corner;
-                drives.jerk_time = jerk;
-            }
-            Self::Spindle { base, reference } => {
-                drives.spindle_constant += spindle_constant(size, base, reference);
-                drives.spindle_base_speed = base;
-            }
-            Self::Settling(rapid) => {
-                drives.feed_settling += size;
-                drives.rapid_settling += size * rapid;
-            }
-        }
-    }
-}
-
-/// Constant k of a spindle that takes `time`, s, from rest to `reference`, at constant torque up to `base`, both rad/s.
-fn spindle_constant(time: f64, base: f64, reference: f64) -> f64 {
-    time / (reference * reference + base * base)
-}
-
 /// Part programs over timed stretches.
 pub struct Stretches {
     model: ProgramModel,
@@ -214,61 +159,6 @@ impl Stretches {
         }
     }
 
-    fn catalogue(&mut self, whole: bool) {
-        let mut add = |id: EffectId, shape: String, typical: f64, action: Action| {
-            let greatest = id.entry().size.max;
-            self.frame.candidates.push(Candidate { id, shape, typical, greatest, least: 0.0 });
-            self.actions.push(action);
-        };
-        let rows = &self.rows;
-        let known = [
-            (EffectId::FEED_OVERRIDE, "as logged", 1.0, rows.overridden.clone()),
-            (EffectId::TOOL_CHANGE_DELAY, "", 5.0, rows.changes.clone()),
-            (EffectId::CANNED_CYCLE_DWELL, "", 1.0, rows.holes.clone()),
-            (EffectId::FEED_HOLD, "each alike", 10.0, rows.holds.clone()),
-            (EffectId::FEED_HOLD, "as long as logged", 10.0, rows.hold_share.clone()),
-        ];
-        for (id, shape, typical, feature) in known {
-            if feature.iter().any(|value| *value != 0.0) {
-                add(id, shape.to_owned(), typical, Action::Feature(self.features.len()));
-                self.features.push(feature);
-            }
-        }
-        if !whole {
-            let identified = (self.model.drives.corner_deviation, self.model.drives.jerk_time);
-            let all =
-                || CORNERS.into_iter().flat_map(|corner| JERKS.map(|jerk| (1e-6 * corner, 1e-3 * jerk))).collect();
-            // An acceleration that is on already only grows: its corners are known.
-            let on = self.model.effects.axis_acceleration > 0.0;
-            let shapes: Vec<(f64, f64)> = if on { vec![identified] } else { all() };
-            for (corner, jerk) in shapes {
-                let mut shape = format!("corners within {} um", rounded(corner * 1e6));
-                if jerk > 0.0 {
-                    shape += &format!(", jerk time {} ms", rounded(jerk * 1e3));
-                }
-                add(EffectId::AXIS_ACCELERATION, shape, 0.5, Action::Acceleration(corner, jerk));
-            }
-            let drives = &self.model.drives;
-            if let Some(reference) = self.model.greatest_speed() {
-                // A spindle that ramps already only gets slower: its base speed is known.
-                let known = (drives.spindle_constant > 0.0).then_some(drives.spindle_base_speed);
-                let all = || BASES.map(|share| share * reference).to_vec();
-                for base in known.map_or_else(all, |base| vec![base.min(reference)]) {
-                    let rpm = |speed: f64| rounded(speed * 60.0 / std::f64::consts::TAU);
-                    let shape = format!("from rest to {} rpm, base speed {} rpm", rpm(reference), rpm(base));
-                    add(EffectId::SPINDLE_RAMP, shape, 3.0, Action::Spindle { base, reference });
-                }
-            }
-            for share in BEHIND_RAPID {
-                let shape = format!("{} of it behind rapid motions", rounded(share));
-                add(EffectId::STOP_SETTLING, shape, 0.2, Action::Settling(share));
-            }
-        }
-        let mut untried = search::missing(SHOP_EFFECTS, &self.frame.candidates);
-        untried.extend(search::missing(PROGRAM_EFFECTS, &self.frame.candidates));
-        self.frame.untried = untried;
-    }
-
     fn covariates(&self, records: &Records) -> Vec<Covariate> {
         let mut list: Vec<Covariate> = Vec::new();
         let mut add = |name: &str, values: &[f64]| {
@@ -295,16 +185,16 @@ impl Stretches {
         list
     }
 
-    /// Time of every row without effects that are only candidates, or with one of a size that acts on the drives, s.
-    fn nominal(&self, rapid: f64, candidate: Option<(Action, f64)>) -> Vec<f64> {
+    /// The drives with the effects that are switched on, rapid motions by a factor `rapid` faster.
+    fn drives(&self, rapid: f64) -> Drives {
+        let drives = self.model.drives;
+        Drives { rapid_speed: drives.rapid_speed * rapid, ..self.model.accelerated(&drives) }
+    }
+
+    /// Time of every row with `drives` and the effects that are switched on beside them, s.
+    fn times(&self, drives: &Drives) -> Vec<f64> {
         let effects = &self.model.effects;
-        let mut drives = self.model.drives;
-        drives.rapid_speed *= rapid;
-        drives.inverse_acceleration += effects.axis_acceleration;
-        if let Some((action, size)) = candidate {
-            action.change(size, &mut drives);
-        }
-        let clocks: Vec<Vec<f64>> = self.model.programs.iter().map(|(_, program)| clock(program, &drives)).collect();
+        let clocks: Vec<Vec<f64>> = self.model.programs.iter().map(|(_, program)| clock(program, drives)).collect();
         let rows = &self.rows;
         let time = |row: usize| {
             let base = match rows.of_program[row] {
@@ -361,41 +251,32 @@ impl Forward for Stretches {
     }
 
     fn written(&self, candidate: usize) -> WrittenEffect {
-        let shape = match self.actions[candidate] {
-            Action::Acceleration(corner, jerk) => {
-                vec![("corner_deviation", corner, "m", "um"), ("jerk_time", jerk, "s", "ms")]
-            }
-            Action::Spindle { base, reference } => {
-                vec![("base_speed", base, "rad/s", "rpm"), ("reference_speed", reference, "rad/s", "rpm")]
-            }
-            Action::Settling(rapid) => vec![("rapid", rapid, "1", "1")],
-            Action::Feature(_) if self.frame.candidates[candidate].shape == "each alike" => {
-                vec![("each_alike", 1.0, "1", "1")]
-            }
-            Action::Feature(_) => Vec::new(),
-        };
+        let alike = self.frame.candidates[candidate].shape == EACH_ALIKE;
+        let shape = self.actions[candidate].written(alike);
         WrittenEffect { shape, ..WrittenEffect::default() }
     }
 
     fn simulate(&self, point: &Point) -> Vec<f64> {
         let rapid = point.parameters.first().map_or(1.0, |x| (RAPID * x).exp());
-        let mut times = self.nominal(rapid, None);
-        let mut before: Option<Vec<f64>> = None;
-        for (action, size) in self.actions.iter().zip(&point.effects).filter(|(_, size)| **size != 0.0) {
+        let active = self.actions.iter().zip(&point.effects).filter(|(_, size)| **size != 0.0);
+        let mut deviations: Vec<(Deviation, f64)> = Vec::new();
+        let mut added = vec![0.0; self.rows.of_program.len()];
+        for (action, size) in active {
             match action {
                 Action::Feature(index) => {
-                    times.iter_mut().zip(&self.features[*index]).for_each(|(time, feature)| *time += size * feature);
+                    added.iter_mut().zip(&self.features[*index]).for_each(|(time, feature)| *time += size * feature);
                 }
-                Action::Acceleration(..) | Action::Spindle { .. } | Action::Settling(_) => {
-                    let before = before.get_or_insert_with(|| self.nominal(rapid, None));
-                    let with = self.nominal(rapid, Some((*action, *size)));
-                    times
-                        .iter_mut()
-                        .zip(with.iter().zip(before))
-                        .for_each(|(time, (with, without))| *time += with - *without);
-                }
+                Action::Drives(deviation) => deviations.push((*deviation, *size)),
             }
         }
+        // Of two shapes of an acceleration the greater one says what happens at corners.
+        deviations.sort_by(|a, b| b.1.total_cmp(&a.1));
+        let (first, others): (Vec<_>, Vec<_>) =
+            deviations.into_iter().partition(|(deviation, _)| matches!(deviation, Deviation::Acceleration { .. }));
+        let changed = |drives: Drives, (deviation, size): (Deviation, f64)| deviation.added(size, &drives);
+        let drives = first.into_iter().chain(others).fold(self.drives(rapid), changed);
+        let mut times = self.times(&drives);
+        times.iter_mut().zip(added).for_each(|(time, added)| *time += added);
         self.frame.measured.observations.iter().map(|observation| times[observation.row]).collect()
     }
 }

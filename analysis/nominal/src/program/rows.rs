@@ -3,6 +3,7 @@
 use super::ProgramModel;
 use crate::Measured;
 use std::collections::BTreeMap;
+use toolroom_program::{Action, Block, Program};
 use toolroom_records::Records;
 use toolroom_statistics::median;
 
@@ -30,6 +31,10 @@ pub(super) struct Rows {
     pub hold_time: Vec<f64>,
     /// Logged time of holds over the mean of a hold.
     pub hold_share: Vec<f64>,
+    /// Ends of a program.
+    pub ends: Vec<f64>,
+    /// Pockets of the magazine between old tools and new ones.
+    pub pockets: Vec<f64>,
     /// Blocks with M codes.
     pub auxiliary: Vec<f64>,
     /// Share of rapid motions in the nominal time.
@@ -91,6 +96,7 @@ pub(super) fn rows(model: &ProgramModel, records: &Records, inside: &[bool]) -> 
         .into_iter()
         .map(|(name, (mut times, mut changes))| (name, (median(&mut times), median(&mut changes))))
         .collect();
+    let magazines: Vec<Vec<f64>> = model.programs.iter().map(|(_, program)| pockets(program)).collect();
     for row in 0..count {
         let place = model.programs.iter().position(|(name, _)| *name == programs[row]).and_then(|index| {
             let blocks = &model.programs[index].1.blocks;
@@ -118,6 +124,10 @@ pub(super) fn rows(model: &ProgramModel, records: &Records, inside: &[bool]) -> 
             None if changes.is_finite() => rows.changes[row] - changes,
             None => 0.0,
         };
+        let behind = |(index, begin, end): (usize, usize, usize)| magazines[index][begin..end].iter().sum();
+        rows.pockets.push(place.map_or(0.0, behind));
+        let ends = |block: &&Block| block.actions.iter().any(|(_, action)| matches!(action, Action::End));
+        rows.ends.push(blocks.iter().filter(ends).count() as f64);
         rows.holes.push(blocks.iter().map(|block| f64::from(block.holes)).sum());
         rows.auxiliary.push(blocks.iter().filter(|block| block.auxiliary).count() as f64);
         rows.rapid_share.push(if nominal > 0.0 { 1.0 - feed / nominal } else { 0.0 });
@@ -126,6 +136,22 @@ pub(super) fn rows(model: &ProgramModel, records: &Records, inside: &[bool]) -> 
         rows.ln_feed.push(if feed > 0.0 && way > 0.0 { (way / feed).ln() } else { f64::NAN });
     }
     rows
+}
+
+/// Pockets of the magazine that the tool change of each block passes; none where the tool before is not known.
+fn pockets(program: &Program) -> Vec<f64> {
+    let mut before = None;
+    let mut passed = |block: &Block| {
+        let mut sum = 0;
+        for (_, action) in &block.actions {
+            if let Action::Change(tool) = action {
+                sum += tool.zip(before).map_or(0, |(new, old): (u32, u32)| new.abs_diff(old));
+                before = tool.or(before);
+            }
+        }
+        f64::from(sum)
+    };
+    program.blocks.iter().map(&mut passed).collect()
 }
 
 /// Mean measured and predicted time of each stretch of the known programs, with one of its rows.
@@ -151,7 +177,7 @@ pub(super) fn totals(model: &ProgramModel, rows: &Rows, measured: &Measured, pre
     let out = |row: usize| !measured.fitted[measured.group_of_row[row]];
     let any = (0..rows.of_program.len()).any(out);
     let list = means(rows, measured, predicted, |row| !any || out(row));
-    let level_of = |(index, (name, _)): (usize, &(String, toolroom_program::Program))| {
+    let level_of = |(index, (name, _)): (usize, &(String, Program))| {
         let of_program =
             list.iter().filter(|(_, _, row)| rows.of_program[*row].is_some_and(|(program, ..)| program == index));
         let (value, predicted) =
