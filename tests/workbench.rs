@@ -190,10 +190,20 @@ fn a_vibration_over_time_has_the_lines_of_its_kind() {
     let history = |name: &str, at: [&str; 2]| -> Value {
         let out = folder.join(name).display().to_string();
         let feed = "force.feed_per_tooth=0.1 mm";
-        let output = toolroom(&["lobes", &slot, "--at", at[0], at[1], "--set", feed, "--history", &out, "--json"]);
+        let mut args = vec!["lobes", &slot, "--at", at[0], at[1], "--history", &out, "--json"];
+        for known in [feed, "scatter.natural_frequency=0.01", "scatter.damping_ratio=0.1", "scatter.coefficients=0.1"] {
+            args.extend(["--set", known]);
+        }
+        let output = toolroom(&args);
         let told = json(&output);
         let text = fs::read_to_string(folder.join(name).join("history.json")).expect("lines");
         let mut history: Value = serde_json::from_str(&text).expect("JSON");
+        let [low, high] = [0, 1].map(|end| number(&history["p_stable_band"][end]));
+        let probable = number(&history["p_stable"]);
+        assert!(
+            probable == number(&told["p_stable"]) && low <= probable && probable <= high && low < high,
+            "{history}"
+        );
         history["at"] = told;
         for file in ["history.csv", "spectrum.csv", "history.png", "spectrum.png", "section.png", "report.html"] {
             assert!(folder.join(name).join(file).is_file(), "{file}");

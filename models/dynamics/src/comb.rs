@@ -3,13 +3,13 @@
 use crate::fft::{hann, transform};
 
 /// Greatest deviation of the true speed from the one that was commanded, relative.
-const WITHIN: f64 = 0.03;
+pub(crate) const WITHIN: f64 = 0.03;
 /// Harmonics of the spindle that are summed: the sixteenth moves by half of their distance over the range of speeds.
 const SPINDLE_HARMONICS: u32 = 16;
 /// Harmonics of the teeth that are summed (assumption: beyond, the sound of a cut has faded).
 const TOOTH_HARMONICS: u32 = 12;
 /// Share of half the sampling rate up to which lines count (assumption: filters against aliasing).
-const BAND: f64 = 0.9;
+pub(crate) const BAND: f64 = 0.9;
 /// Amplitude over the floor of a harmonic that counts (assumption: 20 dB, noise does not reach it).
 const CLEAR: f64 = 10.0;
 /// Share of the power beside a harmonic that a line of its own holds: one of a pair holds half (assumption).
@@ -51,7 +51,7 @@ impl WholeSpectrum {
     }
 
     /// The median amplitude in blocks that are `span` wide (Hz).
-    fn floor(&self, span: f64) -> Vec<f64> {
+    pub(crate) fn floor(&self, span: f64) -> Vec<f64> {
         floor(&self.amplitudes, (span / self.step) as usize)
     }
 
@@ -91,6 +91,20 @@ impl WholeSpectrum {
     /// Greatest amplitude within `of_harmonic` and the width of a line from a frequency (Hz).
     pub(crate) fn at(&self, frequency: f64, of_harmonic: f64) -> f64 {
         self.greatest(frequency, of_harmonic + self.width).1
+    }
+
+    /// Greatest amplitude within `reach` of a frequency (Hz), where it stands clear of the floor.
+    pub(crate) fn clear(&self, floor: &[f64], frequency: f64, reach: f64) -> Option<f64> {
+        let (found, amplitude) = self.greatest(frequency, reach);
+        (amplitude > CLEAR * floor[((found / self.step) as usize).min(floor.len() - 1)]).then_some(amplitude)
+    }
+
+    /// The median amplitude between two parts of half the sampling rate.
+    pub(crate) fn median(&self, parts: [f64; 2]) -> f64 {
+        let [first, last] = parts.map(|part| (part * self.amplitudes.len() as f64) as usize);
+        let mut band = self.amplitudes[first..last.max(first + 1).min(self.amplitudes.len())].to_vec();
+        band.sort_by(f64::total_cmp);
+        band[band.len() / 2]
     }
 
     /// Frequency and amplitude of the greatest bin within `reach` (Hz) of a frequency.
@@ -186,10 +200,7 @@ impl Comb {
         }
         let floor = spectrum.floor(4.0 * self.spindle_frequency);
         let highest = BAND * spectrum.step * (spectrum.amplitudes.len() - 1) as f64;
-        let clear = |at: f64| {
-            let (found, amplitude) = spectrum.greatest(at, spectrum.width);
-            amplitude > CLEAR * floor[((found / spectrum.step) as usize).min(floor.len() - 1)]
-        };
+        let clear = |at: f64| spectrum.clear(&floor, at, spectrum.width).is_some();
         let found = RATIOS.into_iter().find(|[above, below]| {
             let spindle = self.spindle_frequency * f64::from(*above) / f64::from(*below);
             let order = (frequency / spindle).round();

@@ -11,6 +11,7 @@
 use crate::error::{DynamicsError, RecordProblem};
 use crate::fft::transform;
 use crate::frf::{Frf, Measurement};
+use crate::noise::{SMOOTHED, unbiased};
 use crate::record::{Channel, Record, Signal};
 use crate::unit::Motion;
 use nalgebra::Complex;
@@ -45,8 +46,6 @@ const PART: usize = 16;
 const EXCITED: f64 = 0.1;
 /// Share of the sampling rate up to which filters against aliasing leave the signal alone: one over 2.56 (usual).
 const ALIAS_FREE: f64 = 1.0 / 2.56;
-/// Lines on each side over which the noise is averaged: known from a few hits alone it would scatter (assumption).
-const SMOOTHED: usize = 4;
 
 /// Coherence from which on a line is clear, and how many in a row begin the range (assumption: by chance a line of noise is clear
 /// once in forty with five hits).
@@ -265,11 +264,6 @@ fn agreement_of_neighbours(hit: &Hit, response: usize, lines: Range<usize>) -> V
         unbiased(cross.norm_sqr() / (force * motion).max(f64::MIN_POSITIVE), near.len() as f64)
     };
     lines.clone().map(agreement).collect()
-}
-
-/// A coherence of so many readings, free of its bias.
-fn unbiased(agreement: f64, count: f64) -> f64 {
-    ((count * agreement - 1.0) / (count - 1.0)).clamp(0.0, 1.0)
 }
 
 /// Where pulses of force begin that are meant as hits.

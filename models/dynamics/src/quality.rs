@@ -23,6 +23,8 @@ const STIFF: f64 = 0.05;
 const LEAST_LINES: f64 = 5.0;
 /// Greatest residual of a fit over the measured response (assumption).
 pub(crate) const GREATEST_RESIDUAL: f64 = 0.15;
+/// Standard deviations by which the noise of a response may be more than its mean.
+const CHANCE: f64 = 3.0;
 /// Share of the decay of an exponential window below which the damping of a mode is a small difference (assumption).
 const LEAST_OWN_DAMPING: f64 = 0.1;
 /// Misfit over degrees of freedom from which on a warning is due: residuals of twice the noise (assumption).
@@ -197,10 +199,13 @@ impl Quality {
         // the right model leaves most of what was measured there.
         let noise = |place: usize, function: &Frf| {
             let Some(variance) = variances.and_then(|all| all.get(place)) else { return 0.0 };
-            let (noise, size) = clear(function).into_iter().fold((0.0, 0.0), |(noise, size), i| {
+            let lines = clear(function);
+            // The sum of squares of so many real and imaginary parts, and what chance adds to it.
+            let chance = 1.0 + CHANCE / (lines.len() as f64).sqrt();
+            let (noise, size) = lines.into_iter().fold((0.0, 0.0), |(noise, size), i| {
                 (noise + 2.0 * variance[i], size + function.receptance[i].norm_sqr())
             });
-            if size > 0.0 { noise / size } else { 0.0 }
+            if size > 0.0 { chance * noise / size } else { 0.0 }
         };
         let poor = (0..residuals.len()).filter(|place| {
             let (function, (_, residual)) = (&measured.functions[*place], &residuals[*place]);

@@ -10,9 +10,11 @@
 //! processes", Journal of Sound and Vibration 262 (2003) 333 (recalled). Best speeds: S. Smith, J. Tlusty, "Stabilizing chatter
 //! by automatic spindle speed regulation", CIRP Annals 41 (1992) 433 (recalled).
 
-use crate::comb::{Comb, WholeSpectrum};
+use crate::comb::{BAND, Comb, WITHIN, WholeSpectrum};
 use crate::error::{DynamicsError, RecordProblem};
+use crate::folded::{self, Place};
 use crate::frames::{Frames, level};
+use crate::line::{Line, Origin};
 use crate::record::Record;
 use std::f64::consts::TAU;
 
@@ -54,6 +56,12 @@ const CLIPPED: f64 = 1e-3;
 const SET_IN: f64 = 0.5;
 /// Amplitude over the floor from which the growth of a line is not that of noise (assumption: 20 dB).
 const SURE_GROWTH: f64 = 10.0;
+/// Harmonics of the teeth that a record must hold (assumption: of fewer any line would make a comb).
+const LEAST_TEETH: u32 = 3;
+/// Frequency (Hz) up to which tools, holders and spindles chatter, where nothing says it of this one (assumption).
+const USUAL: f64 = 4000.0;
+/// Frequency (Hz) up to which chatter that stands folded may come from (assumption: that of small slender cutters lies below).
+const FARTHEST: f64 = 6000.0;
 /// Share of the strongest chatter line from which another may be the one near a mode (assumption).
 const STRONG: f64 = 0.5;
 
@@ -81,36 +89,6 @@ pub enum Chatter {
     Ambiguous,
 }
 
-/// Where a line comes from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Origin {
-    /// Harmonic of the tooth frequency.
-    Tooth(u32),
-    /// Harmonic of the spindle frequency that is none of the teeth.
-    Spindle(u32),
-    /// Mains.
-    Mains,
-    /// In the record without cutting as well.
-    Machine,
-    /// At the chatter frequency plus so many tooth frequencies.
-    Chatter(i32),
-    /// None of these.
-    Unknown,
-}
-
-/// A line of the sound.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Line {
-    /// Its frequency (Hz).
-    pub frequency: f64,
-    /// Its amplitude in the unit of the record.
-    pub amplitude: f64,
-    /// Its level above the floor around it (dB).
-    pub level: f64,
-    /// Where it comes from.
-    pub origin: Origin,
-}
-
 /// What a record tells.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Heard {
@@ -118,8 +96,10 @@ pub struct Heard {
     pub spindle_speed: f64,
     /// Whether the cut chatters.
     pub chatter: Chatter,
-    /// Frequency of the chatter, or of the line that may be one (Hz).
+    /// Frequency of the chatter, or of the line that may be one (Hz); `None` also where the record leaves more than one.
     pub chatter_frequency: Option<f64>,
+    /// The frequencies (Hz) of which one is that of the chatter, where the record is folded and nothing decides between them.
+    pub possible_frequencies: Vec<f64>,
     /// When it has grown to half of its greatest amplitude (s from the start of the record).
     pub onset: Option<f64>,
     /// All lines, by frequency.
@@ -147,7 +127,7 @@ impl Heard {
 /// constant channels, or of a cut at another speed.
 pub fn listen(record: &Record, cutting: &Cutting<'_>) -> Result<Heard, DynamicsError> {
     let fault = |problem| DynamicsError::Record { file: record.source.clone(), problem };
-    let (samples, notes) = heard_channel(record).ok_or_else(|| {
+    let (samples, mut notes) = heard_channel(record).ok_or_else(|| {
         let channels = record.channels.len();
         fault(RecordProblem::Constant { channels })
     })?;
@@ -155,6 +135,22 @@ pub fn listen(record: &Record, cutting: &Cutting<'_>) -> Result<Heard, DynamicsE
     let length = (FRAME / commanded).max(LEAST_FRAME);
     if record.duration() < length {
         return Err(fault(RecordProblem::Brief { duration: record.duration(), least: length }));
+    }
+    let highest = 0.5 * BAND * record.rate;
+    let needed = f64::from(LEAST_TEETH * cutting.teeth) * commanded * (1.0 + WITHIN);
+    if needed > highest {
+        let least = 2.0 * needed / BAND;
+        return Err(fault(RecordProblem::Slow { rate: record.rate, harmonics: LEAST_TEETH, least }));
+    }
+    let of_file = cutting.natural_frequencies.iter().copied().reduce(f64::max);
+    if highest < of_file.unwrap_or(USUAL) {
+        let known =
+            of_file.map_or_else(String::new, |mode| format!(", and a mode of the lobes file is at {mode:.0} Hz"));
+        notes.push(format!(
+            "{:.0} samples a second tell of chatter up to {highest:.0} Hz{known}: what lies beyond is not heard, and without a filter in \
+             the recorder it stands folded below; record with a higher rate",
+            record.rate
+        ));
     }
     let whole = WholeSpectrum::new(samples, record.rate);
     let comb = Comb::find(&whole, commanded, cutting.teeth)
@@ -175,6 +171,13 @@ pub fn listen(record: &Record, cutting: &Cutting<'_>) -> Result<Heard, DynamicsE
         .collect();
     apart(&mut lines, &whole, &comb, &frames, air.as_ref());
     not_mains(&mut lines, &whole, &comb, &frames, air.as_ref());
+    let folded_teeth = folded::teeth(&mut lines, &whole, &comb, record.rate);
+    if folded_teeth {
+        notes.push(format!(
+            "harmonics of the teeth from beyond {:.0} Hz stand folded in the record: the recorder has no filter against aliasing",
+            0.5 * record.rate
+        ));
+    }
     let strongest = |wanted: &dyn Fn(&Origin) -> bool| {
         let of_kind = lines.iter().filter(|line| wanted(&line.origin));
         of_kind.copied().max_by(|a, b| a.amplitude.total_cmp(&b.amplitude))
@@ -205,24 +208,57 @@ pub fn listen(record: &Record, cutting: &Cutting<'_>) -> Result<Heard, DynamicsE
         let away = (line.frequency / comb.spindle_frequency - (line.frequency / comb.spindle_frequency).round()).abs();
         let reach = match line.origin {
             Origin::Unknown => frames.step().min(0.5 * away * comb.spindle_frequency),
-            Origin::Tooth(_) | Origin::Spindle(_) | Origin::Mains | Origin::Machine | Origin::Chatter(_) => {
-                frames.step()
-            }
+            Origin::Tooth(_)
+            | Origin::Spindle(_)
+            | Origin::Mains
+            | Origin::Machine
+            | Origin::Folded(_)
+            | Origin::Chatter(_) => frames.step(),
         };
         WholeSpectrum::new(settled, record.rate).refined(line.frequency, reach)
     });
+    let mut possible_frequencies = Vec::new();
+    let mut told = chatter_frequency;
     if let (Chatter::Yes, Some(frequency)) = (chatter, chatter_frequency) {
+        let unfiltered = folded_teeth || folded::on_both_sides(&lines, &whole, &comb, frequency, record.rate);
+        let usual = if unfiltered { FARTHEST } else { USUAL };
+        let reach = of_file.map_or(usual, |mode| usual.max(1.1 * mode));
+        let place = if !unfiltered && folded::is_filtered(&whole) {
+            Place::At(frequency)
+        } else {
+            folded::unfolded(frequency, record.rate, reach, unfiltered, cutting.natural_frequencies)
+        };
+        match place {
+            Place::At(one) => told = Some(one),
+            Place::Told(one, others) => {
+                told = Some(one);
+                notes.push(format!(
+                    "the chatter is at {one:.1} Hz if the recorder has a filter against aliasing, and may be at {} if it has none",
+                    in_words(&others)
+                ));
+            }
+            Place::OneOf(all) => (told, possible_frequencies) = (None, all),
+        }
         let tooth_frequency = comb.spindle_frequency * f64::from(cutting.teeth);
+        let centre = told.unwrap_or(frequency);
         for line in lines.iter_mut().filter(|line| line.origin == Origin::Unknown) {
-            // A line at |fc + m ft| is one of fc + m ft or of −fc − m ft.
-            let order = |sign: f64| (sign * line.frequency - frequency) / tooth_frequency;
-            let whole = |m: f64| (m - m.round()).abs() * tooth_frequency < LOBE * frames.step();
-            if let Some(order) = [order(1.0), order(-1.0)].into_iter().find(|order| whole(*order)) {
+            // A line at |fc + m ft| is one of fc + m ft or of −fc − m ft, and folded one of the rate less these.
+            let folds = if unfiltered { 2 } else { 1 };
+            let places = [line.frequency, -line.frequency, record.rate - line.frequency, line.frequency - record.rate];
+            let whole = |m: &f64| (m - m.round()).abs() * tooth_frequency < LOBE * frames.step();
+            let mut orders = places[..2 * folds].iter().map(|place| (place - centre) / tooth_frequency);
+            if let Some(order) = orders.find(whole) {
                 line.origin = Origin::Chatter(order.round() as i32);
             }
         }
     }
-    Ok(Heard { spindle_speed: TAU * comb.spindle_frequency, chatter, chatter_frequency, onset, lines, notes })
+    let spindle_speed = TAU * comb.spindle_frequency;
+    Ok(Heard { spindle_speed, chatter, chatter_frequency: told, possible_frequencies, onset, lines, notes })
+}
+
+/// Frequencies (Hz), in words.
+fn in_words(frequencies: &[f64]) -> String {
+    frequencies.iter().map(|frequency| format!("{frequency:.1} Hz")).collect::<Vec<_>>().join(" or ")
 }
 
 /// The samples of the first channel that is not constant, and what to be careful about; `None` where there is none.
@@ -265,7 +301,12 @@ fn apart(lines: &mut Vec<Line>, whole: &WholeSpectrum, comb: &Comb, frames: &Fra
         .iter()
         .filter_map(|line| match line.origin {
             Origin::Tooth(order) => Some(f64::from(order * comb.teeth) * spindle),
-            Origin::Spindle(_) | Origin::Mains | Origin::Machine | Origin::Chatter(_) | Origin::Unknown => None,
+            Origin::Spindle(_)
+            | Origin::Mains
+            | Origin::Machine
+            | Origin::Folded(_)
+            | Origin::Chatter(_)
+            | Origin::Unknown => None,
         })
         .map(|harmonic| (harmonic, skirt(harmonic)))
         .collect();

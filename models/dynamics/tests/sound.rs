@@ -290,3 +290,75 @@ fn silent_channels_are_passed_over_and_clipping_is_told() {
     assert!((clipped.chatter_frequency.unwrap() - 847.3).abs() < 0.5);
     assert!(clipped.notes[0].contains("clipped"), "{:?}", clipped.notes);
 }
+
+/// The record of [`CUT`] with four teeth and `harmonics` of them, sampled `rate` times a second without a filter.
+fn unfiltered(rate: f64, harmonics: u32, chatter: Option<f64>) -> Record {
+    let mut random = ChaCha8Rng::seed_from_u64(7);
+    let spindle = 6133.7 / 60.0;
+    let mut lines: Vec<(f64, f64)> = (1..=4 * harmonics)
+        .map(|k| (f64::from(k) * spindle, if k % 4 == 0 { 1.2 / f64::from(k) } else { 0.08 / f64::from(k) }))
+        .collect();
+    lines.extend(chatter.map(|frequency| (frequency, 0.1)));
+    let value = |i: i32| {
+        let time = f64::from(i) / rate;
+        let noise: f64 = StandardNormal.sample(&mut random);
+        lines.iter().map(|(frequency, amplitude)| amplitude * (TAU * frequency * time + frequency).sin()).sum::<f64>()
+            + 0.003 * noise
+    };
+    let values = (0..(2.0 * rate) as i32).map(value).collect();
+    let channel = Channel { signal: Signal::Sound, direction: Direction::X, values };
+    Record { source: "cut.wav".to_owned(), rate, channels: vec![channel] }
+}
+
+#[test]
+fn a_record_says_how_far_it_tells_and_one_that_holds_too_few_harmonics_is_refused() {
+    let cutting = Cutting { teeth: 4, spindle_speed: 6120.0 * TAU / 60.0, air: None, natural_frequencies: &[] };
+    let heard = listen(&unfiltered(4000.0, 4, Some(1100.0)), &cutting).unwrap();
+    assert!(heard.notes.iter().any(|note| note.contains("up to 1800 Hz")), "{:?}", heard.notes);
+    let of_modes = Cutting { natural_frequencies: &[700.0, 3100.0], ..cutting.clone() };
+    let heard = listen(&unfiltered(4000.0, 4, Some(1100.0)), &of_modes).unwrap();
+    assert!(heard.notes[0].contains("a mode of the lobes file is at 3100 Hz"), "{:?}", heard.notes);
+    let text = listen(&unfiltered(2000.0, 40, None), &cutting).unwrap_err().to_string();
+    assert!(text.contains("hold fewer than 3 harmonics of the teeth") && text.contains("2802"), "{text}");
+    let heard = listen(&unfiltered(16_000.0, 6, Some(3100.0)), &cutting).unwrap();
+    assert!(heard.chatter == Chatter::Yes && heard.notes.is_empty(), "{:?}", heard.notes);
+}
+
+/// Without a filter harmonics of the teeth from beyond half of the sampling rate stand folded between the others.
+#[test]
+fn folded_harmonics_of_the_teeth_are_no_chatter() {
+    let cutting = Cutting { teeth: 4, spindle_speed: 6120.0 * TAU / 60.0, air: None, natural_frequencies: &[] };
+    let mut folded = 0;
+    for rate in [4000.0, 5000.0, 6000.0, 7350.0] {
+        let heard = listen(&unfiltered(rate, 24, None), &cutting).unwrap();
+        assert_eq!(heard.chatter, Chatter::No, "{rate}: {:?}", heard.lines);
+        assert!(heard.notes.iter().any(|note| note.contains("no filter against aliasing")), "{:?}", heard.notes);
+        // Beside a harmonic of the spindle a folded line counts as one of it.
+        folded += usize::from(heard.lines.iter().any(|line| matches!(line.origin, Origin::Folded(_))));
+    }
+    assert!(folded >= 2, "{folded}");
+}
+
+/// Chatter at 3100 Hz stands at 900 Hz among 4000 samples a second, and nothing in such a record tells the two apart.
+#[test]
+fn chatter_beyond_half_of_the_sampling_rate_is_not_told_at_the_wrong_place() {
+    let cutting = Cutting { teeth: 4, spindle_speed: 6120.0 * TAU / 60.0, air: None, natural_frequencies: &[] };
+    let record = |harmonics| unfiltered(4000.0, harmonics, Some(3100.0));
+    // The teeth stand folded as well: the recorder has no filter.
+    let heard = listen(&record(24), &cutting).unwrap();
+    assert!(heard.chatter == Chatter::Yes && heard.chatter_frequency.is_none(), "{heard:?}");
+    let possible = &heard.possible_frequencies;
+    let due = [900.0, 3100.0, 4900.0];
+    assert!(possible.len() == 3 && possible.iter().zip(due).all(|(a, b)| (a - b).abs() < 0.5), "{possible:?}");
+    assert!(heard.suggested_speeds(4, 100.0, 2000.0).is_empty());
+    // A mode decides.
+    let heard = listen(&record(24), &Cutting { natural_frequencies: &[650.0, 3040.0], ..cutting.clone() }).unwrap();
+    assert!((heard.chatter_frequency.unwrap() - 3100.0).abs() < 0.5, "{heard:?}");
+    assert!(heard.suggested_speeds(4, 100.0, 2000.0).len() > 2);
+    // Nothing of the teeth is folded: the place where the line stands, and the one where it may come from.
+    let heard = listen(&record(4), &cutting).unwrap();
+    assert!((heard.chatter_frequency.unwrap() - 900.0).abs() < 0.5);
+    assert!(heard.notes.iter().any(|note| note.contains("may be at 3100.0 Hz")), "{:?}", heard.notes);
+    let heard = listen(&record(4), &Cutting { natural_frequencies: &[3040.0], ..cutting }).unwrap();
+    assert_eq!((heard.chatter_frequency, heard.possible_frequencies.len()), (None, 2));
+}

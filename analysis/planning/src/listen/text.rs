@@ -22,6 +22,15 @@ impl ListenStudy {
         };
         let _ = match heard.chatter {
             Chatter::No => writeln!(text, "no chatter: every line that matters belongs to spindle or teeth"),
+            Chatter::Yes if !heard.possible_frequencies.is_empty() => {
+                let each: Vec<String> = heard.possible_frequencies.iter().map(|one| format!("{one:.1} Hz")).collect();
+                let each = each.join(" or at ");
+                writeln!(
+                    text,
+                    "chatter at {each}, {since}: lines from beyond half of the sampling rate stand folded in the record, and it does \
+                     not tell which; record again with a higher rate, or name the modes with --lobes"
+                )
+            }
             Chatter::Yes => writeln!(text, "chatter at {frequency:.1} Hz, {since}"),
             Chatter::Ambiguous => writeln!(
                 text,
@@ -32,7 +41,7 @@ impl ListenStudy {
         for note in &heard.notes {
             let _ = writeln!(text, "note: {note}");
         }
-        if heard.chatter == Chatter::Yes && self.suggestions.is_empty() {
+        if heard.chatter == Chatter::Yes && heard.chatter_frequency.is_some() && self.suggestions.is_empty() {
             let _ = writeln!(text, "no speed in range lets the teeth keep time with it");
         }
         for suggestion in &self.suggestions {
@@ -76,6 +85,7 @@ impl ListenStudy {
                 Chatter::Ambiguous => "ambiguous",
             },
             "chatter_frequency [Hz]": heard.chatter_frequency,
+            "possible_frequencies [Hz]": heard.possible_frequencies,
             "onset [s]": heard.onset,
             "suggested_speeds [rpm]": speeds.collect::<Vec<_>>(),
             "lines": lines.collect::<Vec<_>>(),
@@ -99,6 +109,7 @@ fn name(origin: Origin) -> String {
         Origin::Spindle(order) => format!("spindle {order}"),
         Origin::Mains => "mains".to_owned(),
         Origin::Machine => "machine".to_owned(),
+        Origin::Folded(order) => format!("tooth {order}, folded"),
         Origin::Chatter(0) => "chatter".to_owned(),
         Origin::Chatter(order) => format!("chatter {order:+} tooth"),
         Origin::Unknown => "unknown".to_owned(),

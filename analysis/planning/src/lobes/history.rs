@@ -2,12 +2,13 @@
 
 use super::LobesFile;
 use super::cut::Cut;
+use super::place::interval;
 use crate::tables::table;
 use serde_json::{Value, json};
 use std::f64::consts::TAU;
 use toolroom_chart::page::{Figure, Provenance, Report, Section, Tile};
 use toolroom_chart::{Axis, Chart, Colour, Dash, Marker, Plot, ResultFiles, Style, png};
-use toolroom_chatter::{ChatterError, Settled, StabilityVerdict};
+use toolroom_chatter::{ChatterError, Probability, Settled, StabilityVerdict};
 use toolroom_process::table::Cell;
 
 /// Files of a history.
@@ -74,6 +75,8 @@ pub struct History<'a> {
     pub lines: Vec<SpectralLine>,
     /// Directions that are shown: one in turning.
     directions: usize,
+    /// How probably the cut is stable there, where the file says how well its constants are known.
+    probability: Option<Probability>,
 }
 
 impl LobesFile {
@@ -109,7 +112,8 @@ impl LobesFile {
         let steps = (period / settled.simulation.time_step).round() as usize;
         let spectrum = spectrum(&settled, self.cut.greatest_frequency());
         let lines = lines(&spectrum, &verdict, speed / TAU, teeth, period);
-        Ok(History { file: self, place, final_state: settled, steps, spectrum, lines, directions })
+        let probability = self.stability_probability(place)?;
+        Ok(History { file: self, place, final_state: settled, steps, spectrum, lines, directions, probability })
     }
 }
 
@@ -214,6 +218,8 @@ impl History<'_> {
             "band": band,
             "pp_x [um]": self.final_state.simulation.peak_to_peak(0) * 1e6,
             "pp_y [um]": self.final_state.simulation.peak_to_peak(1) * 1e6,
+            "p_stable": self.probability.map(|probability| probability.value),
+            "p_stable_band": self.probability.map(interval),
             "lines": lines,
         })
     }
@@ -249,6 +255,13 @@ impl History<'_> {
             .lead(format!("Simulated with surfaces that earlier teeth left and loss of contact. {settled}"));
         for (direction, name) in self.directions() {
             report = report.tile(Tile::new(name, range(direction), "peak to peak"));
+        }
+        if let Some(probability) = self.probability {
+            let [low, high] = interval(probability).map(|end| 100.0 * end);
+            let share = format!("{:.0} %", 100.0 * probability.value);
+            let note =
+                format!("{low:.0} to {high:.0} % by the number of samples; the constants scatter as the file says");
+            report = report.tile(Tile::new("probability of stability", share, note));
         }
         let figures = Section::new("Vibration")
             .figure(Figure::new(&history, "The last periods.").data_in("history.csv"))

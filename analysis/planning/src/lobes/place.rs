@@ -85,11 +85,39 @@ const SAMPLES: u64 = 400;
 /// Seed of these samples.
 const SEED: u64 = 1;
 
+/// The 95 % interval of a probability from [`SAMPLES`] samples (E. B. Wilson, Journal of the American Statistical Association 22 (1927)
+/// 209, recalled).
+pub(super) fn interval(probability: Probability) -> [f64; 2] {
+    const NORMAL: f64 = 1.96;
+    let share = NORMAL * NORMAL / SAMPLES as f64;
+    let reach = (probability.standard_error.powi(2) + 0.25 * share / SAMPLES as f64).sqrt() * NORMAL;
+    [-reach, reach].map(|reach| ((probability.value + 0.5 * share + reach) / (1.0 + share)).clamp(0.0, 1.0))
+}
+
 /// Difference of the limits of modes and of the measured response from which on a warning is due (assumption).
 pub const GREATEST_DIFFERENCE: f64 = 0.05;
 
 /// Key of the limits along the path: pairs of position and stability limit.
 const ALONG_PATH: &str = "limits_along_path [mm]";
+
+impl LobesFile {
+    /// Probability that the cut is stable at a speed (rad/s) and depth (m), the constants scattering as the file says; none where it
+    /// says nothing of them, and at a speed that varies.
+    ///
+    /// # Errors
+    /// As the verdict there.
+    pub(super) fn stability_probability(
+        &self,
+        (speed, depth): (f64, f64),
+    ) -> Result<Option<Probability>, ChatterError> {
+        let Some(scatter) = &self.scatter else { return Ok(None) };
+        match &self.cut {
+            Cut::Milling(cut, None) => cut.stability_probability(speed, depth, scatter, SAMPLES, SEED).map(Some),
+            Cut::Turning(cut, None) => cut.stability_probability(speed, depth, scatter, SAMPLES, SEED).map(Some),
+            Cut::Milling(..) | Cut::Turning(..) | Cut::Chuck(_) | Cut::ChipLag(_) | Cut::Lathe(_) => Ok(None),
+        }
+    }
+}
 
 impl<'a> PointVerdict<'a> {
     /// Judges a place, SI, on both axes of the chart of `file`.
@@ -111,15 +139,7 @@ impl<'a> PointVerdict<'a> {
             // Beyond the limit what is not simulated has no amplitude; a stable cut has that of the series.
             judgement.vibration = if judgement.verdict.stable { simulated.or(judgement.vibration) } else { simulated };
         }
-        let probability = match (&file.cut, &file.scatter) {
-            (Cut::Milling(cut, None), Some(scatter)) => {
-                Some(cut.stability_probability(speed, depth, scatter, SAMPLES, SEED)?)
-            }
-            (Cut::Turning(cut, None), Some(scatter)) => {
-                Some(cut.stability_probability(speed, depth, scatter, SAMPLES, SEED)?)
-            }
-            (Cut::Milling(..) | Cut::Turning(..) | Cut::Chuck(_) | Cut::ChipLag(_) | Cut::Lathe(_), _) => None,
-        };
+        let probability = file.stability_probability((speed, depth))?;
         let load = file.load_json(speed, depth, judgement.verdict.stable)?;
         let worst = match &file.cut {
             Cut::Milling(cut, Some(variation)) if depth > 0.0 => {
