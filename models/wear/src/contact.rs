@@ -296,22 +296,13 @@ impl<'a, N: Number> Contact<'a, N> {
         let cut = &self.coefficients.cut;
         let temperature = self.temperature(self.rise(flank_wear), body);
         let wear = self.wear(flank_wear, temperature, damage);
-        let moving = cut.cutting_speed.re() > 0.0;
-        let wear_intensity = if moving { wear.intensity(cut.cutting_speed) } else { wear.mechanical_per_path };
-        let wear_balance = if moving {
-            let (mechanical, thermal) = self.balance(flank_wear, temperature, wear);
-            let sum = mechanical.abs() + thermal.abs();
-            if sum.re() > 0.0 { (mechanical - thermal) / sum } else { N::from(0.0) }
-        } else {
-            N::from(0.0)
-        };
         let cutting_force = load.cutting(flank_wear) * cut.engaged;
         Point {
             temperature,
             mechanical_wear_per_path: wear.mechanical_per_path,
             thermal_wear_rate: wear.thermal_rate,
-            wear_intensity,
-            wear_balance,
+            wear_intensity: self.wear_intensity(wear),
+            wear_balance: self.wear_balance(flank_wear, temperature, wear),
             cutting_force,
             feed_force: load.feed(flank_wear) * cut.engaged,
             spindle_power: cutting_force * cut.cutting_speed,
@@ -336,7 +327,28 @@ impl<'a, N: Number> Contact<'a, N> {
         self.thermo_emf_of_chip(flank_wear, temperature, self.pair.force.chip_thickness(&self.coefficients.cut))
     }
 
-    fn thermo_emf_of_chip(&self, flank_wear: N, temperature: N, chip_thickness: N) -> N {
+    /// Wear per path at rates of wear; the mechanical part alone at rest.
+    #[inline]
+    pub fn wear_intensity(&self, wear: Wear<N>) -> N {
+        let speed = self.coefficients.cut.cutting_speed;
+        if speed.re() > 0.0 { wear.intensity(speed) } else { wear.mechanical_per_path }
+    }
+
+    /// Balance of the weighted functionals at a land (m), a contact temperature (K) and the rates of wear there, see
+    /// [`Point::wear_balance`]; 0 at rest.
+    #[inline]
+    pub fn wear_balance(&self, flank_wear: N, temperature: N, wear: Wear<N>) -> N {
+        if self.coefficients.cut.cutting_speed.re() <= 0.0 {
+            return N::from(0.0);
+        }
+        let (mechanical, thermal) = self.balance(flank_wear, temperature, wear);
+        let sum = mechanical.abs() + thermal.abs();
+        if sum.re() > 0.0 { (mechanical - thermal) / sum } else { N::from(0.0) }
+    }
+
+    /// Thermo-EMF (V) at a land (m), a contact temperature (K) and the chip thickness (m) of the cut.
+    #[inline]
+    pub fn thermo_emf_of_chip(&self, flank_wear: N, temperature: N, chip_thickness: N) -> N {
         let pair = self.pair;
         let junction = Junction {
             ambient: pair.temperature.ambient_temperature,

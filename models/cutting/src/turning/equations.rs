@@ -127,6 +127,24 @@ impl<N: Number> Engagement<'_, N> {
         [cutting, load.feed(flank_wear) * engaged * self.terms.feed_force]
     }
 
+    /// Thermo-EMF (V).
+    #[inline]
+    pub(super) fn thermo_emf(&self, x: &TurningState<N>, angles: &Angles<N>) -> N {
+        self.contact.thermo_emf_of_chip(x.flank_wear, self.contact.temperature_at(&x.wear()), angles.chip_thickness)
+    }
+
+    /// Wear per path.
+    #[inline]
+    pub(super) fn wear_intensity(&self, x: &TurningState<N>) -> N {
+        self.contact.wear_intensity(self.wear(x))
+    }
+
+    /// Balance of mechanical and thermal wear.
+    #[inline]
+    pub(super) fn wear_balance(&self, x: &TurningState<N>) -> N {
+        self.contact.wear_balance(x.flank_wear, self.contact.temperature_at(&x.wear()), self.wear(x))
+    }
+
     /// Rates of wear at the present contact temperature.
     #[inline]
     pub(super) fn wear(&self, x: &TurningState<N>) -> Wear<N> {

@@ -55,6 +55,10 @@ const WEAR_RATIO: usize = place("wear_ratio");
 const TEMPERATURE: usize = place("temperature");
 const MECHANICAL_WEAR: usize = place("mechanical_wear_per_path");
 const THERMAL_WEAR: usize = place("thermal_wear_rate");
+const WEAR_INTENSITY: usize = place("wear_intensity");
+const WEAR_BALANCE: usize = place("wear_balance");
+const THERMO_EMF: usize = place("thermo_emf");
+const PEAK_FORCE: usize = place("peak_cutting_force");
 const CUTTING_FORCE: usize = place("cutting_force");
 const FEED_FORCE: usize = place("feed_force");
 const PASSIVE_FORCE: usize = place("passive_force");
@@ -205,9 +209,8 @@ impl Turning {
     }
 
     /// One of the outputs that cost little by themselves, by its place among the fields: what the motion decides, forces with
-    /// what they press, power, temperature and the rates of wear, the same to the bit as [`Turning::output_after`] has them.
-    /// `None` for the others, for what effects or a structure change, and for forces and rates where the memory is not of this
-    /// input.
+    /// what they press, power, temperature, thermo-EMF and wear, the same to the bit as [`Turning::output_after`] has them. `None`
+    /// for what vibrates, for what effects or a structure change, and for forces and wear where the memory is not of this input.
     ///
     /// # Examples
     /// ```
@@ -218,7 +221,7 @@ impl Turning {
     /// turning.step(&mut x, &u, 0.1, &mut memory).unwrap();
     /// let alone = |name| turning.one_output_after(TurningOutput::<f64>::index_of(name)?, &x, &u, &memory);
     /// assert_eq!(alone("feed_force"), Some(turning.output(&x, &u).feed_force));
-    /// assert_eq!(alone("wear_balance"), None);
+    /// assert_eq!(alone("vibration_rms"), None);
     /// ```
     #[inline]
     pub fn one_output_after(
@@ -257,6 +260,14 @@ impl Turning {
             SIZE_ERROR => Some(pressed()?.size_error),
             MECHANICAL_WEAR => Some(wear()?.mechanical_per_path),
             THERMAL_WEAR => Some(wear()?.thermal_rate),
+            WEAR_INTENSITY => Some(engaged()?.1.wear_intensity(x)),
+            WEAR_BALANCE => Some(engaged()?.1.wear_balance(x)),
+            THERMO_EMF => {
+                let (known, engagement) = engaged()?;
+                Some(engagement.thermo_emf(x, known.angles.get_or_init(|| self.angles(&engagement))))
+            }
+            // Without effects the edge runs true.
+            PEAK_FORCE => Some(engaged()?.1.true_forces(x)[0]),
             _ => None,
         }
     }
@@ -289,7 +300,7 @@ mod tests {
             assert_eq!(turning.output_after(&x, &u, &memory), output);
             let alone = |i: usize| Some((i, turning.one_output_after(i, &x, &u, &memory)?));
             let alone: Vec<(usize, f64)> = (0..TurningOutput::<f64>::LEN).filter_map(alone).collect();
-            assert_eq!(alone.len(), 13, "{alone:?}");
+            assert_eq!(alone.len(), 17, "{alone:?}");
             for (i, value) in alone {
                 assert_eq!(Some(value), output.get(i), "{}", TurningOutput::<f64>::FIELDS[i].name);
             }
