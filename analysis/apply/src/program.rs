@@ -66,13 +66,20 @@ fn deviation(id: EffectId, shape: &Value) -> Result<Option<Deviation>, ApplyErro
     Ok(shapeless.into_iter().find(|(known, _)| *known == id).map(|(_, deviation)| deviation))
 }
 
-/// Writes a field of the drives to where the model gives it, by whichever of its names.
-fn write(document: &mut DocumentMut, field: &Field, before: &Drives, after: f64) -> Result<(), ApplyError> {
+/// Writes a field of the drives to where the model gives it, by whichever of its names. A jerk belongs to the acceleration that
+/// the model states (`stated`), whatever its effects add to that.
+fn write(
+    document: &mut DocumentMut,
+    field: &Field,
+    stated: &Drives,
+    before: &Drives,
+    after: f64,
+) -> Result<(), ApplyError> {
     let given = |key: &str| document.get("drives").is_some_and(|drives| drives.get(key).is_some());
     let item = written(after, field.unit);
     match field.name {
         "jerk_time" if given("jerk") => {
-            let jerk = 1.0 / (before.inverse_acceleration * after);
+            let jerk = 1.0 / (stated.inverse_acceleration * after);
             put(table(document, "drives")?, "jerk", written(jerk, "m/s3"));
         }
         "corner_deviation" if given("corner") => put(inner(document, "corner")?, "value", item),
@@ -105,10 +112,10 @@ fn write(document: &mut DocumentMut, field: &Field, before: &Drives, after: f64)
 }
 
 /// Writes what differs between two sets of drives.
-fn write_all(document: &mut DocumentMut, before: &Drives, after: &Drives) -> Result<(), ApplyError> {
+fn write_all(document: &mut DocumentMut, stated: &Drives, before: &Drives, after: &Drives) -> Result<(), ApplyError> {
     for (index, field) in Drives::<f64>::FIELDS.iter().enumerate() {
         if let Some(value) = after.get(index).filter(|value| before.get(index) != Some(*value)) {
-            write(document, field, before, value)?;
+            write(document, field, stated, before, value)?;
         }
     }
     Ok(())
@@ -131,10 +138,10 @@ pub fn switch_on(document: &mut DocumentMut, effect: &Value) -> Result<(), Apply
     let drives = drives_of(document)?;
     let acceleration = document.get("effects").and_then(|effects| effects.get(EffectId::AXIS_ACCELERATION.word()));
     let acceleration = acceleration.and_then(Item::as_value).map_or(0.0, amount("s2/m"));
-    let before = Drives { inverse_acceleration: drives.inverse_acceleration + acceleration, ..drives };
+    let before = Drives { inverse_acceleration: drives.inverse_acceleration + acceleration, ..drives.clone() };
     // What acts on the drives goes there, where the next diagnosis finds it.
     if let Some(deviation) = deviation(effect_id, &effect["shape"])? {
-        return write_all(document, &before, &deviation.added(added, &before));
+        return write_all(document, &drives, &before, &deviation.added(added, &before));
     }
     let effects = table(document, "effects")?;
     let standing = effects.get(key).and_then(Item::as_value).map(amount(si)).unwrap_or(0.0);

@@ -217,7 +217,7 @@ const WITHHELD: [(&str, Deviation, f64); 7] = [
     ("block_time", Deviation::BlockTime, 0.012),
     ("program_end", Deviation::ProgramEnd, 6.0),
     ("magazine_distance", Deviation::MagazineDistance, 0.4),
-    ("spindle_ramp", Deviation::SpindleRamp { base_speed: 314.159_265, reference_speed: 1256.637_061 }, 2.0),
+    ("spindle_ramp", Deviation::SpindleRamp { base_speed: 314.159_265, reference_speed: 1_256.637_061 }, 2.0),
 ];
 
 fn withheld(word: &str) {
@@ -300,7 +300,7 @@ fn jerk_and_corners_wait_for_an_acceleration_and_one_distance_of_a_magazine_is_n
     let one: Vec<usize> = (0..records.len()).filter(|row| ["A 1", "A 2"].contains(&sections[*row].as_str())).collect();
     records = records.select(&one[..one.len() / RUNS]);
     let list = untried(&records);
-    assert!(!why(&list, "magazine_distance").is_empty() || why(&list, "tool_change_delay").is_empty(), "{list:?}");
+    assert_ne!(why(&list, "magazine_distance"), "", "{list:?}");
 }
 
 /// Values of a machine file stand under several names, in a preset or in tables: each is found and changed where it stands.

@@ -102,11 +102,15 @@ fn extended<'a>(factored: &'a Factor, matrix: &DMatrix<f64>) -> Cow<'a, Factor> 
     let mut known = Cow::Borrowed(factored);
     for place in factored.l_dirty().nrows()..matrix.nrows() {
         let column: DVector<f64> = matrix.view((0, place), (place + 1, 1)).column(0).into_owned();
-        known = Cow::Owned(known.insert_column(place, column));
+        let longer = known.insert_column(place, column);
+        let pivot = longer.l_dirty()[(place, place)];
+        // A diagonal that rounding has spoilt is lifted where all is factored anew.
+        if !(pivot.is_finite() && pivot > 0.0) {
+            return Cow::Owned(factor(matrix.clone()));
+        }
+        known = Cow::Owned(longer);
     }
-    // A diagonal that rounding has spoilt is lifted where all is factored anew.
-    let definite = known.l_dirty().diagonal().iter().all(|own| own.is_finite() && *own > 0.0);
-    if definite { known } else { Cow::Owned(factor(matrix.clone())) }
+    known
 }
 
 /// Standard deviation of unknown `i` of normal equations.

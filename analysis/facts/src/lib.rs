@@ -18,6 +18,7 @@
 //! | [`agreement`] | which machines of a pool share a constant? |
 //! | [`scrap`] | are as many pieces scrapped as in the simulated shop (two shares; exact, mid-p)? |
 //! | [`survival`] | do edges live as long as simulated ones (log-rank, censored)? |
+//! | [`normal_scale`] | where would times of a distribution lie if their logarithms were normal? |
 //! | [`waits`] | do queues wait as replicated ones do (days are blocks)? |
 //!
 //! A fact has no cause: it is a constant of the file that the log contradicts.
@@ -40,6 +41,7 @@ mod fact;
 pub mod failures;
 pub mod law;
 pub mod middle;
+pub mod normal_scale;
 pub mod renewal;
 pub mod scrap;
 pub mod spread;

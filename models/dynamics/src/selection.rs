@@ -46,7 +46,7 @@ pub enum SelectionProblem {
     },
     /// More modes than can be fitted.
     #[error(
-        "{wanted} modes are asked for, and a fit has {told} at most; those that stand out of this measurement are at {standing_out}: \
+        "{wanted} modes are asked for, and the fit found {told}; those that stand out of this measurement are at {standing_out}: \
          ask for as many, or leave the number out"
     )]
     Fewer {
@@ -105,6 +105,7 @@ pub(crate) fn unmet(
     }
     let standing_out =
         standing_out().iter().map(|frequency| format!("{frequency:.1} Hz")).collect::<Vec<_>>().join(", ");
+    let standing_out = if standing_out.is_empty() { "none".to_owned() } else { standing_out };
     Some(match missed {
         Some(pick) => SelectionProblem::Missed { pick: *pick, standing_out },
         None => SelectionProblem::Fewer { wanted, told: found.len(), standing_out },

@@ -53,7 +53,9 @@ impl ProgramModel {
 
 /// Whether changes to pockets of different distances are among the rows: else the distance is a constant of every change.
 fn distances_differ(rows: &Rows) -> bool {
-    let changes = rows.changes.iter().zip(&rows.pockets).filter(|(changes, _)| **changes > 0.0);
+    // Of a change from a tool that is not known nobody knows the distance.
+    let changes =
+        rows.changes.iter().zip(&rows.pockets).filter(|(changes, pockets)| **changes > 0.0 && **pockets > 0.0);
     let mut distances = changes.map(|(changes, pockets)| pockets / changes);
     distances.next().is_some_and(|first| distances.any(|other| (other - first).abs() > 1e-9))
 }

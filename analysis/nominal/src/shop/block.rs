@@ -3,7 +3,7 @@
 use super::booked::{short_repairs, usual};
 use super::figure::{Figure, Figures};
 use super::nominal::Shop;
-use super::normal_scale::NormalScale;
+use super::scaled::Scaled;
 use super::stops::{FAR, Pool, SIZES, Shape, Timed, class, lower_deviation};
 use super::visit::{Visit, Visits};
 use statrs::distribution::{ContinuousCDF, Normal};
@@ -86,7 +86,7 @@ pub struct Blocks {
     /// Whether times in cut are exact, as in a simulation without scatter, by program.
     pub exact: Vec<bool>,
     /// Where times are normal, by program; `None` where they are taken as they are.
-    pub scales: Vec<Option<Arc<NormalScale>>>,
+    pub scales: Vec<Option<Arc<Scaled>>>,
     /// Logarithms of single changes of edges, of a block each.
     changes: Vec<Vec<f64>>,
     /// Logarithms of single lives of edges, of a block each.
@@ -340,7 +340,7 @@ impl Blocks {
             deviation: self.scatter[program],
             exact: self.exact[program],
             pools,
-            scale: self.scales[program].as_deref(),
+            scale: self.scales[program].as_deref().map(|own| &own.scale),
         }
     }
 

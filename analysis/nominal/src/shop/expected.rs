@@ -3,7 +3,7 @@
 use super::block::{Block, Blocks, ROOT_SCORE, TAIL};
 use super::figure::{Figure, Figures};
 use super::nominal::Shop;
-use super::normal_scale::NormalScale;
+use super::scaled::Scaled;
 use super::stops::{Pool, Shape, Stops};
 use super::visit::Visits;
 use statrs::distribution::{ContinuousCDF, Normal};
@@ -12,11 +12,8 @@ use std::sync::Arc;
 use toolroom_statistics::median;
 
 /// Where the times of each block are normal.
-pub(super) fn scales(shop: &Shop, visits: &Visits, blocks: &Blocks) -> Vec<Option<Arc<NormalScale>>> {
-    let of = |block: &Block| {
-        let program = shop.programs.get(&visits.programs[block.program?])?;
-        program.scale_on(&visits.machines[block.machine]).cloned()
-    };
+pub(super) fn scales(shop: &Shop, visits: &Visits, blocks: &Blocks) -> Vec<Option<Arc<Scaled>>> {
+    let of = |block: &Block| shop.programs.get(&visits.programs[block.program?])?.scale.clone();
     blocks.list.iter().map(of).collect()
 }
 
@@ -26,7 +23,7 @@ pub(super) fn expected(shop: &Shop, visits: &Visits, blocks: &Blocks) -> Vec<Fig
     let pools = |program: usize| -> Vec<Pool> {
         blocks.pools[program].iter().map(|(_, size)| Pool { size: *size, rate: 0.0 }).collect()
     };
-    // A few operations whose times scatter widely have another mean over their middle than many.
+    // Of a few operations whose times scatter widely the mean lies elsewhere above the middle than of many.
     let shapes = |program: usize| {
         let scaled = blocks.scales[program].is_some();
         scaled.then(|| stops.unstopped(blocks.timed(program, &pools(program)), &blocks.classes(program)))

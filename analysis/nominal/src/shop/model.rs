@@ -12,7 +12,7 @@ use super::expected::{breakdown_scores, expected, life_slope, scales};
 use super::figure::{Figure, Figures};
 use super::logs::groups;
 use super::nominal::Shop;
-use super::normal_scale::NormalScale;
+use super::scaled::Scaled;
 use super::shapes::{Shapes, Stopped};
 use super::stops::Shape;
 use super::visit::{Visits, visits};
@@ -52,7 +52,7 @@ pub struct ShopModel {
     /// Nominal value of each block by channel.
     pub(super) nominal: Vec<Figures>,
     /// Where the times of each block are normal; `None` where they are taken as they are.
-    scales: Vec<Option<Arc<NormalScale>>>,
+    scales: Vec<Option<Arc<Scaled>>>,
     /// Growth of the life of edges with the wear limit, 1/m, by block.
     life_slope: Vec<f64>,
     pub(super) actions: Vec<Action>,
@@ -357,7 +357,7 @@ impl ShopModel {
             match figure {
                 Figure::CuttingTime => {
                     let longer = longer(nominal);
-                    nominal * (scale.map_or(longer, |scale| scale.normal(longer)) + shape.location).exp() * local(0)
+                    nominal * (scale.map_or(longer, |own| own.scale.normal(longer)) + shape.location).exp() * local(0)
                 }
                 Figure::CuttingTail => nominal + shape.tail + moved().tail,
                 Figure::CuttingExcess => nominal * (shape.excess + moved().excess).exp(),

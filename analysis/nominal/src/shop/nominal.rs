@@ -1,7 +1,7 @@
 //! What the planner believes of the shop: a scenario seen by machines and programs.
 
-use super::normal_scale::NormalScale;
 use super::queueing::queueing;
+use super::scaled::Scaled;
 use super::stops::{Shape, lower_deviation};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -32,21 +32,12 @@ pub struct Program {
     pub planned: Shape,
     /// The distribution of its times by the file, s; `None` of times in cut, which have none.
     pub law: Option<Distribution>,
-    /// Where its times are normal; `None` where they are taken as they are.
-    pub scale: Option<Arc<NormalScale>>,
-    /// What plain work takes on machines with a time of their own, by their names.
-    pub on_machines: BTreeMap<String, OnMachine>,
+    /// Where its times are normal; `None` where they are taken as they are, as where a machine has a distribution of its own.
+    pub scale: Option<Arc<Scaled>>,
+    /// How much longer plain work takes on some machines than that (1), by their names.
+    pub paces: BTreeMap<String, f64>,
     /// Sum of feed speeds over its passes, m/s: what the inverse of an acceleration costs.
     pub feed_speeds: f64,
-}
-
-/// Plain work on a machine that takes a time of its own for it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct OnMachine {
-    /// How much longer it takes than elsewhere in the middle, 1.
-    pub pace: f64,
-    /// Where its times are normal; `None` where they are taken as they are.
-    pub scale: Option<Arc<NormalScale>>,
 }
 
 /// A machine of the nominal shop.
@@ -109,18 +100,13 @@ pub struct Shop {
 impl Program {
     /// How much longer it takes on a machine than elsewhere, 1.
     pub fn pace_on(&self, machine: &str) -> f64 {
-        self.on_machines.get(machine).map_or(1.0, |own| own.pace)
-    }
-
-    /// Where its times on a machine are normal; `None` where they are taken as they are.
-    pub fn scale_on(&self, machine: &str) -> Option<&Arc<NormalScale>> {
-        self.on_machines.get(machine).map_or(self.scale.as_ref(), |own| own.scale.as_ref())
+        self.paces.get(machine).copied().unwrap_or(1.0)
     }
 
     /// A time on a machine, s, as it would be if the logarithms of all were normal.
     pub fn normal_time(&self, machine: &str, time: f64) -> f64 {
         let middle = self.pace_on(machine) * self.time;
-        self.scale_on(machine).map_or(time, |scale| middle * scale.normal((time / middle).ln()).exp())
+        self.scale.as_ref().map_or(time, |own| middle * own.scale.normal((time / middle).ln()).exp())
     }
 }
 
@@ -168,19 +154,18 @@ impl Shop {
                     }
                 };
                 let time = law.as_ref().map_or(*time, |law| law.quantile(0.5));
-                let scale = law.as_ref().and_then(NormalScale::of).map(Arc::new);
+                let one_law = law.as_ref().filter(|_| !operation.has_own_times());
+                let scale = one_law.and_then(Scaled::of).map(Arc::new);
                 let planned = match (&law, &scale) {
                     (Some(law), None) => plain_shape(law),
                     (Some(_), Some(_)) | (None, _) => Shape::SYMMETRIC,
                 };
                 let on_machine = |(machine, _): &(usize, MachineTime)| {
-                    let own = operation.own_time_on(*machine);
-                    let pace = own.map_or_else(|| operation.pace_on(*machine), |own| own.quantile(0.5) / time);
-                    let scale = own.map_or_else(|| scale.clone(), |own| NormalScale::of(own).map(Arc::new));
-                    (scenario.machines[*machine].name.clone(), OnMachine { pace, scale })
+                    let own = operation.own_time_on(*machine).map(|own| own.quantile(0.5) / time);
+                    (scenario.machines[*machine].name.clone(), own.unwrap_or_else(|| operation.pace_on(*machine)))
                 };
-                let on_machines = operation.time_on.iter().map(on_machine).collect();
-                let program = Program { time, planned, law, scale, on_machines, feed_speeds };
+                let paces = operation.time_on.iter().map(on_machine).collect();
+                let program = Program { time, planned, law, scale, paces, feed_speeds };
                 programs.insert(format!("{}/{}", part.name, operation.name), program);
             }
         }

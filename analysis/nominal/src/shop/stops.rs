@@ -1,10 +1,10 @@
 //! What short stops do to the times of a program, by replication with common random numbers.
 
-use super::normal_scale::NormalScale;
 use crate::constants::{HUBER, MAD};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use statrs::function::erf::erf_inv;
+use toolroom_facts::normal_scale::NormalScale;
 use toolroom_scenario::MICRO_STOP;
 use toolroom_statistics::median;
 

@@ -1,31 +1,29 @@
 //! Times of plain work where they are normal.
 //!
-//! The file gives plain work a distribution that may be as skewed as it likes: a few exponential times have their middle
-//! elsewhere than their distribution, one of three lies below half of it, and the scatter of their logarithm is longer towards
-//! the short ones. Blocks are compared as if logarithms were normal. A time of the share `u` of its distribution is therefore
-//! taken for the one of the same share of a lognormal distribution with the same median and quartiles, at the same distance.
-//! What a model says of a middle is taken there in the same way, which is exact: the middle of times goes where the times go.
+//! The distribution of plain work may be skewed. The median of a few exponential times lies elsewhere on average than that of
+//! the distribution, and their logarithms scatter further below it than above. A comparison that takes logarithms of times as
+//! normal is biased by both. A time that a share `u` of its distribution does not reach is therefore replaced by the time that
+//! the same share of a lognormal distribution does not reach, which has the same median and the same distance of its quartiles.
+//! Times keep their order, so the median of some times is replaced by the median of what replaces them.
 //!
 //! # Source
 //! Probability integral transform: Rosenblatt 1952; normal scores of it: Dunn & Smyth 1996.
 
-use super::stops::Shape;
 use statrs::distribution::{ContinuousCDF, Normal};
 use toolroom_scenario::Distribution;
 
 /// Scores up to this far have their place by the distribution; what lies further keeps its distance from there in the
 /// logarithm, since the shares of a distribution say little of one in a thousand times (assumption).
 const FARTHEST: f64 = 3.0;
-/// Steps from the least of these scores to the greatest (count): between them the logarithm is taken as straight.
+/// Steps from the least of these scores to the greatest (count): between them the logarithm is taken as straight. Assumption: the
+/// logarithm of exponential times bends by less than 1e-3 within one.
 const STEPS: usize = 120;
 /// Normal score of the upper quartile.
 const QUARTILE: f64 = 0.674_489_750_196_081_7;
-/// Factors on all times of which the shape is known, as logarithms: from this far below to this far above (assumption).
-const REACH: f64 = 1.0;
-/// Steps of that (count).
-const SHIFTS: usize = 20;
-/// Times of the distribution behind such a shape (count).
-const TIMES: usize = 1000;
+/// Factors on all times that a scale has to keep: constants are fitted on it and are written as factors on times (assumption).
+const FACTORS: [f64; 2] = [0.8, 1.25];
+/// Share by which the logarithm of such a factor may be another one on the scale (assumption).
+const KEPT: f64 = 0.1;
 
 /// Where times of a distribution would lie if their logarithms were normal.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,13 +32,12 @@ pub struct NormalScale {
     logarithms: Vec<f64>,
     /// Scatter of the logarithm that has the same quartiles.
     deviation: f64,
-    /// What a common factor on all times does to the shape, by the logarithm of the factor at equal distances.
-    shifted: Vec<Shape>,
 }
 
 impl NormalScale {
     /// The scale of a distribution; `None` where times are no numbers above zero that differ, as of constant ones and of a few
-    /// possible ones.
+    /// possible ones, and where a factor on all times would be quite another one on the scale, as where they have a least and a
+    /// greatest value near to each other. The middle of a few of these is hardly biased.
     pub fn of(law: &Distribution) -> Option<Self> {
         let normal = Normal::standard();
         let time = |score: f64| law.quantile(normal.cdf(score));
@@ -51,9 +48,9 @@ impl NormalScale {
             return None;
         }
         let deviation = (time(QUARTILE) / time(-QUARTILE)).ln() / (2.0 * QUARTILE);
-        let mut scale = Self { logarithms, deviation, shifted: Vec::new() };
-        scale.shifted = (0..=SHIFTS).map(|step| scale.shape_at(REACH * place_of(step, SHIFTS))).collect();
-        Some(scale)
+        let scale = Self { logarithms, deviation };
+        let kept = |factor: f64| (scale.normal(factor.ln()) / factor.ln() - 1.0).abs() <= KEPT;
+        FACTORS.into_iter().all(kept).then_some(scale)
     }
 
     /// Scatter of the logarithm of times on this scale.
@@ -88,39 +85,6 @@ impl NormalScale {
         let [from, to] = [self.logarithms[below], self.logarithms[below + 1]];
         from + (place - below as f64) * (to - from)
     }
-
-    /// What a factor on all times does to the shape of times on this scale; their middle is left out.
-    pub fn shifted(&self, logarithm: f64) -> Shape {
-        let place = (logarithm.clamp(-REACH, REACH) / REACH + 1.0) * 0.5 * SHIFTS as f64;
-        let below = (place as usize).min(SHIFTS - 1);
-        let share = place - below as f64;
-        let [from, to] = [self.shifted[below], self.shifted[below + 1]];
-        let between = |of: &dyn Fn(&Shape) -> f64| of(&from) + share * (of(&to) - of(&from));
-        Shape {
-            location: 0.0,
-            tail: between(&|shape| shape.tail),
-            excess: between(&|shape| shape.excess),
-            spread: between(&|shape| shape.spread),
-        }
-    }
-
-    /// What is between the shape of all times, each longer by this, and that of the times as they are.
-    fn shape_at(&self, shift: f64) -> Shape {
-        let normal = Normal::standard();
-        let scores: Vec<f64> =
-            (0..TIMES).map(|i| normal.inverse_cdf((i as f64 + 0.5) / TIMES as f64) * self.deviation).collect();
-        let moved = |shift: f64| -> Shape {
-            let mut times: Vec<f64> = scores.iter().map(|y| self.normal(self.logarithm(*y) + shift)).collect();
-            Shape::of(&mut times, self.deviation)
-        };
-        let (with, without) = (moved(shift), moved(0.0));
-        Shape {
-            location: 0.0,
-            tail: with.tail - without.tail,
-            excess: with.excess - without.excess,
-            spread: (with.spread / without.spread).ln(),
-        }
-    }
 }
 
 /// From −1 to 1.
@@ -152,11 +116,19 @@ mod tests {
         assert!((scale.deviation() - deviation).abs() < 1e-9);
         for y in [-2.0, -0.7, -0.1, 0.0, 0.3, 1.5] {
             assert!((scale.normal(y) - y).abs() < 1e-6, "{y}: {}", scale.normal(y));
-            assert!(scale.shifted(y).tail.abs() < 1e-9 && scale.shifted(y).spread.abs() < 1e-9);
         }
         for law in [Distribution::Constant(5.0), Distribution::DiscreteUniform { low: 1.0, step: 1.0, count: 6 }] {
             assert_eq!(NormalScale::of(&law), None);
         }
+    }
+
+    /// A tenth more of 9 to 11 min would be a quarter more on the scale.
+    #[test]
+    fn narrow_bounds_have_no_scale_and_a_factor_on_exponential_times_is_kept() {
+        let law = |low: f64, high: f64| NormalScale::of(&Distribution::Uniform { low, high });
+        assert_eq!(law(540.0, 660.0), None);
+        let scale = exponential();
+        assert!((scale.normal(1.1_f64.ln()) / 1.1_f64.ln() - 1.0).abs() < 0.05);
     }
 
     #[test]
