@@ -154,7 +154,7 @@ pub fn switch_on(document: &mut DocumentMut, effect: &Value) -> Result<(), Apply
         };
         // The acceleration itself stands among the effects.
         let after = Drives { inverse_acceleration: before.inverse_acceleration, ..deviation.added(added, &before) };
-        write_all(document, &before, &after)?;
+        write_all(document, &drives, &before, &after)?;
     }
     Ok(())
 }

@@ -21,7 +21,7 @@ const STEPS: usize = 120;
 /// Normal score of the upper quartile.
 const QUARTILE: f64 = 0.674_489_750_196_081_7;
 /// Factors on all times that a scale has to keep: constants are fitted on it and are written as factors on times (assumption).
-const FACTORS: [f64; 2] = [0.8, 1.25];
+const FACTORS: [f64; 6] = [0.8, 0.9, 0.95, 1.05, 1.1, 1.25];
 /// Share by which the logarithm of such a factor may be another one on the scale (assumption).
 const KEPT: f64 = 0.1;
 
