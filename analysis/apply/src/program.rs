@@ -138,7 +138,7 @@ pub fn switch_on(document: &mut DocumentMut, effect: &Value) -> Result<(), Apply
     let drives = drives_of(document)?;
     let acceleration = document.get("effects").and_then(|effects| effects.get(EffectId::AXIS_ACCELERATION.word()));
     let acceleration = acceleration.and_then(Item::as_value).map_or(0.0, amount("s2/m"));
-    let before = Drives { inverse_acceleration: drives.inverse_acceleration + acceleration, ..drives.clone() };
+    let before = Drives { inverse_acceleration: drives.inverse_acceleration + acceleration, ..drives };
     // What acts on the drives goes there, where the next diagnosis finds it.
     if let Some(deviation) = deviation(effect_id, &effect["shape"])? {
         return write_all(document, &drives, &before, &deviation.added(added, &before));
