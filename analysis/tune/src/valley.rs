@@ -172,8 +172,10 @@ fn a_flat_floor_is_found_by_points_far_off() {
 /// `cargo test -p toolroom-tune --lib -- --ignored --nocapture valleys`
 #[test]
 #[ignore = "three hundred searches"]
+#[expect(clippy::print_stdout, reason = "the numbers of a study are read")]
 fn searches_on_made_up_valleys() {
-    let valleys: [(&str, fn(&[f64]) -> f64); 5] =
+    type Cost = fn(&[f64]) -> f64;
+    let valleys: [(&str, Cost); 5] =
         [("even walls", valley), ("flat, at an end", flat), ("flat", even), ("skewed", skewed), ("kinked", kinked)];
     for (name, cost) in valleys {
         let found = Valley { cost, lost, guard: None }.all(60, 600);
