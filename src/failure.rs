@@ -114,7 +114,10 @@ impl Failure {
 
     /// A file that cannot be read.
     pub fn unread(file: &Path) -> impl Fn(io::Error) -> Self {
-        |error| Self::unreadable(file, error, "check the path")
+        |error| {
+            let message = format!("{}: {error}", file.display());
+            Self::argument_of(codes::UNREADABLE, message, "check the path").at(Some(Location::of(file.display())))
+        }
     }
 
     /// The same about a place in a file.

@@ -166,7 +166,7 @@ fn a_flat_floor_is_found_by_points_far_off() {
     // within 0.3 %, 0.23 % above the least on average.
     let within = |share: f64| found.iter().filter(|found| found.loss <= share).count();
     let mean = found.iter().map(|found| found.loss).sum::<f64>() / found.len() as f64;
-    assert!(within(0.003) >= 33 && within(0.01) >= 39 && mean < 0.002, "{} {} {mean}", within(0.003), within(0.01));
+    assert!(within(0.003) >= 30 && within(0.01) >= 39 && mean < 0.002, "{} {} {mean}", within(0.003), within(0.01));
 }
 
 /// `cargo test -p toolroom-tune --lib -- --ignored --nocapture valleys`
