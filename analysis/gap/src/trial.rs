@@ -94,7 +94,7 @@ impl Trial {
         Some(fit(model, &basis.noise, start, active, &basis.local_scale))
     }
 
-    /// The same with derivatives by all candidates, as [`Trial::scores`] and [`Trial::with`] need.
+    /// The same with derivatives by all candidates, as [`Trial::scores`] and [`Trial::looked_at`] need.
     #[must_use]
     pub fn complete(self, model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>]) -> Self {
         Self::of(model, basis, folds, self.fit.complete(model))
