@@ -9,6 +9,9 @@ use toolroom_scenario::{
 };
 use toolroom_wear::{Origin, ParameterSet, SetError, Spread, TURNING_SETS};
 
+/// Relative deviations that differ by less are the same number, read and written (rounding of decimals is far below).
+const SAME: f64 = 1e-9;
+
 /// A baked set.
 #[derive(Clone, Debug)]
 pub struct Baked {
@@ -165,9 +168,6 @@ fn known(set: &mut ParameterSet, tool: &ToolType) {
         }
     }
 }
-
-/// Relative deviations that differ by less are the same number, read and written.
-const SAME: f64 = 1e-9;
 
 /// Values of the tool that the scenario states beside the set (`parameters`, `handbook`).
 fn stated(set: &mut ParameterSet, tool: &ToolType, place: &str) -> Vec<String> {

@@ -313,8 +313,17 @@ corner_deviation = "10 um"
 jerk_time = "15 ms"
 spindle = { constant = "3e-8 s/rpm2", base_speed = "3000 rpm", braking = { constant = "4e-8 s/rpm2", base_speed = "3500 rpm" } }
 "#;
-    for drives in [DRIVES, flat, "\npreset = \"hurco-winmax\"\n", "\nrapid_speed = \"20 m/min\"\n"] {
-        let bench = Bench::new(drives);
+    // A jerk is one by the acceleration of the file, whatever an effect adds to that.
+    let standing = "\n[effects]\naxis_acceleration = \"0.3 s2/m\"\n";
+    for (drives, effects) in [
+        (DRIVES, ""),
+        (flat, ""),
+        (DRIVES, standing),
+        ("\npreset = \"hurco-winmax\"\n", ""),
+        ("\nrapid_speed = \"20 m/min\"\n", ""),
+    ] {
+        let stated = Bench::new(drives);
+        let bench = Bench { text: stated.text.clone() + effects, ..stated };
         let forward = bench.over(&bench.text, &stretches(&bench.drives));
         let count = forward.frame().candidates.len();
         let mut seen = Vec::new();

@@ -44,7 +44,7 @@ fn by_evidence(
 /// `candidate` and what comes near to it beside the rest of the model, with the evidence of each.
 fn in_place(rival: &Trial, candidate: usize) -> Vec<(usize, Evidence)> {
     let strengths = rival.strengths();
-    let (cosine, looked_at) = (rival.scores().cosine, rival.looked_at());
+    let (cosine, alternatives) = (rival.scores().cosine, rival.alternatives());
     let near = |other: &usize| {
         let strong =
             strengths[*other] > 0.0 && strengths[*other].powi(2) > ROUGHLY / RIVAL * strengths[candidate].powi(2);
@@ -52,10 +52,10 @@ fn in_place(rival: &Trial, candidate: usize) -> Vec<(usize, Evidence)> {
     };
     // What is still asked for beside another effect is not what that one explains.
     let takes_over = |(other, evidence): &(usize, Evidence)| {
-        let both = || looked_at.with(&[candidate, *other]);
+        let both = || alternatives.with(&[candidate, *other]);
         *other == candidate || cosine[(candidate, *other)] > SAME || gain(&both(), evidence) <= PAIR_GATE
     };
-    let with = |other: usize| (other, looked_at.with(&[other]));
+    let with = |other: usize| (other, alternatives.with(&[other]));
     let mut all: Vec<(usize, Evidence)> = (0..strengths.len()).filter(near).map(with).filter(takes_over).collect();
     all.sort_by(|a, b| b.1.profile.total_cmp(&a.1.profile));
     all

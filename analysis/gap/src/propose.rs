@@ -166,10 +166,10 @@ fn sought(context: Diagnosing<'_>, fit: Fit, library: &Library<'_>) -> (Trial, O
 /// where one of several does not lead over that by [`SIMPLER_TERM`].
 fn step(context: Diagnosing<'_>, from: &Trial, library: &Library<'_>) -> Option<Trial> {
     let terms = library.terms;
-    let (scores, looked_at) = (from.strengths(), from.looked_at());
+    let (scores, alternatives) = (from.strengths(), from.alternatives());
     let open = terms.iter().filter(|index| !from.fit.active.contains(index) && scores[**index] > PAIRED_SCORE);
     let mut leads: Vec<(usize, f64)> = open
-        .map(|index| (*index, looked_at.with(&[*index])))
+        .map(|index| (*index, alternatives.with(&[*index])))
         .filter(|(_, evidence)| evidence.admissible)
         .map(|(index, evidence)| (index, gain(&evidence, &from.evidence)))
         .collect();

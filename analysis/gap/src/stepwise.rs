@@ -14,12 +14,12 @@ use rayon::prelude::*;
 /// What the dictionary finds beside the nominal model, single effects by falling gain, and the refitted ones.
 pub(super) fn singles(context: Diagnosing<'_>, base: &Trial) -> (Remainder, Vec<Single>, Vec<Trial>) {
     let (model, count) = (context.model, context.candidates());
-    let (scores, looked_at) = (base.strengths(), base.looked_at());
+    let (scores, alternatives) = (base.strengths(), base.alternatives());
     let single = |candidate: usize| Single {
         candidate,
         id: model.frame().candidates[candidate].id,
         score: scores[candidate],
-        evidence: looked_at.with(&[candidate]),
+        evidence: alternatives.with(&[candidate]),
         trial: None,
     };
     let (before, mut singles): (Remainder, Vec<Single>) =
@@ -132,10 +132,10 @@ fn beside(model: &dyn Forward, trial: &Trial, most: usize) -> Vec<Vec<usize>> {
     if asked.is_empty() {
         return Vec::new();
     }
-    let looked_at = trial.looked_at();
+    let alternatives = trial.alternatives();
     let mut leads: Vec<(usize, f64)> = asked
         .into_par_iter()
-        .map(|other| (other, looked_at.with(&[other])))
+        .map(|other| (other, alternatives.with(&[other])))
         .collect::<Vec<_>>()
         .into_iter()
         .filter(|(_, evidence)| evidence.admissible)

@@ -12,14 +12,14 @@ use super::{Basis, Candidate, Forward, Gram, Linear, tolerance};
 /// ordinary size of an effect too.
 const FAR_EDGE: f64 = 0.3;
 
-/// A model beside which many candidates are looked at without a new fit.
-pub struct LookedAt<'a> {
+/// Models with a few candidates more than a trial has, which share its factors and are not fitted anew.
+pub struct Alternatives<'a> {
     trial: &'a Trial,
     factored: Factored<'a>,
 }
 
-impl LookedAt<'_> {
-    /// Evidence of the same model with more candidates, without a new fit.
+impl Alternatives<'_> {
+    /// Evidence of the model with these candidates, too.
     pub fn with(&self, candidates: &[usize]) -> Evidence {
         let Trial { shared, two_sided, .. } = self.trial;
         // Far from a size that fits, an effect that is not linear asks for more than it will be: no range holds yet.
@@ -94,7 +94,7 @@ impl Trial {
         Some(fit(model, &basis.noise, start, active, &basis.local_scale))
     }
 
-    /// The same with derivatives by all candidates, as [`Trial::scores`] and [`Trial::looked_at`] need.
+    /// The same with derivatives by all candidates, as [`Trial::scores`] and [`Trial::alternatives`] need.
     #[must_use]
     pub fn complete(self, model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>]) -> Self {
         Self::of(model, basis, folds, self.fit.complete(model))
@@ -130,10 +130,10 @@ impl Trial {
         Self { reach, ..self }
     }
 
-    /// The model as others with more candidates are looked at.
-    pub fn looked_at(&self) -> LookedAt<'_> {
+    /// The models with more candidates, of which the evidence is asked for.
+    pub fn alternatives(&self) -> Alternatives<'_> {
         let factored = Factored::new(&self.gram, &columns(self.shared, &self.fit.active), self.shared);
-        LookedAt { trial: self, factored }
+        Alternatives { trial: self, factored }
     }
 
     /// Scores of all candidates beside those that are active.

@@ -98,7 +98,17 @@ pub(super) fn candidates(process: &'static str, seen: &Seen<'_>) -> (Vec<(Candid
                     Rows::All => Action::Effect(effect),
                     Rows::Coolant(_) | Rows::SinceDressing => unreachable!("only the way of lots is offered"),
                 };
-                (Candidate { id: effect_id, shape: name, typical, greatest, least: entry.size.min.min(0.0) }, action)
+                (
+                    Candidate {
+                        id: effect_id,
+                        shape: name,
+                        typical,
+                        greatest,
+                        least: entry.size.min.min(0.0),
+                        onset: 0.0,
+                    },
+                    action,
+                )
             })),
             Err(reason) => untried.push(Untried { id: effect_id, reason }),
         }
@@ -164,7 +174,7 @@ pub(super) fn delays(records: &Records, groups: &[usize], durations: &[f64]) -> 
     let mut list = Vec::new();
     let mut add_on = |scope: Scope, shape: String, id: EffectId, [typical, least]: [f64; 2], column: Vec<f64>| {
         if standardised(&column).is_some() {
-            let candidate = Candidate { id, shape, typical, greatest: f64::INFINITY, least };
+            let candidate = Candidate { id, shape, typical, greatest: f64::INFINITY, least, onset: 0.0 };
             list.push(Delay { candidate, column, scope });
         }
     };

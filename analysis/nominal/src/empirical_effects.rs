@@ -98,7 +98,7 @@ fn offer(list: &mut Offered, id: EffectId, shape: String, typical: f64, action: 
         Action::Acceleration => true,
     };
     if varies {
-        list.push((Candidate { id, shape, typical, greatest: f64::INFINITY, least: 0.0 }, action));
+        list.push((Candidate { id, shape, typical, greatest: f64::INFINITY, least: 0.0, onset: 0.0 }, action));
     }
 }
 

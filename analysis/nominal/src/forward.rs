@@ -55,9 +55,9 @@ impl Direction {
         match self {
             Self::Parameter(i) => ahead.parameters[i] += STEP,
             Self::Effect(i) => {
-                let onset = frame.onsets.get(i).copied().filter(|_| point.effects[i] == 0.0);
-                let step = EFFECT_STEP.max(onset.unwrap_or(0.0));
-                ahead.effects[i] += step * frame.candidates[i].typical;
+                let candidate = &frame.candidates[i];
+                let step = if point.effects[i] == 0.0 { EFFECT_STEP.max(candidate.onset) } else { EFFECT_STEP };
+                ahead.effects[i] += step * candidate.typical;
                 return (ahead, step);
             }
             Self::Local(i) => ahead.locals[i].iter_mut().for_each(|x| *x += STEP),

@@ -51,6 +51,9 @@ pub struct Candidate {
     pub greatest: f64,
     /// Least admissible size, SI: zero for an effect of one sign.
     pub least: f64,
+    /// Size up to which it may do nothing at all, in ordinary sizes: from zero its derivative is taken that far. Zero of an effect
+    /// that acts from the beginning.
+    pub onset: f64,
 }
 
 impl Candidate {
@@ -84,9 +87,6 @@ pub struct Frame {
     pub locals: Vec<Local>,
     /// Effects that may be missing.
     pub candidates: Vec<Candidate>,
-    /// Size of each candidate up to which it may do nothing at all, in ordinary sizes: from zero its derivative is taken that far;
-    /// none of the candidates behind its end.
-    pub onsets: Vec<f64>,
     /// Effects that a user has defined, whether or not they are among the candidates.
     pub defined: Vec<&'static Definition>,
     /// Effects of the process that are not among them, and why.
@@ -122,7 +122,6 @@ impl Frame {
             families: Vec::new(),
             locals: Vec::new(),
             candidates: Vec::new(),
-            onsets: Vec::new(),
             defined: Vec::new(),
             untried: Vec::new(),
             covariates: Vec::new(),

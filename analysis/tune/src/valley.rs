@@ -163,7 +163,8 @@ fn without_a_guard_the_search_ends_at_the_floor_of_the_valley() {
 fn a_flat_floor_is_found_by_points_far_off() {
     let found = Valley { cost: flat, lost, guard: None }.all(40, 600);
     // Where the surface reached 2.6 steps around the best point and one of the points had to be chosen, 27 of 40 searches ended
-    // within 0.3 %, 0.23 % above the least on average.
+    // within 0.3 %, 0.23 % above the least on average. Of 40 searches of which four in five end there
+    // 30 are one standard deviation less than are to be expected.
     let within = |share: f64| found.iter().filter(|found| found.loss <= share).count();
     let mean = found.iter().map(|found| found.loss).sum::<f64>() / found.len() as f64;
     assert!(within(0.003) >= 30 && within(0.01) >= 39 && mean < 0.002, "{} {} {mean}", within(0.003), within(0.01));

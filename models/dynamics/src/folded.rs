@@ -7,9 +7,9 @@
 use crate::comb::{BAND, Comb, WholeSpectrum};
 use crate::line::{Line, Origin};
 
-/// Harmonics of the teeth beyond half of the sampling rate that tell of a missing filter, and those that are explained (assumptions:
-/// the sound of a cut fades).
+/// Harmonics of the teeth beyond half of the sampling rate that tell of a missing filter (assumption: the sound of a cut fades).
 const TELLING: u32 = 6;
+/// Those among which a folded line is looked for once it is known that there is no filter (assumption).
 const EXPLAINED: u32 = 24;
 /// Least number of them that have to stand out (assumption: one may be chance).
 const LEAST: usize = 2;
@@ -19,10 +19,11 @@ const FADED: f64 = 2.0;
 const ACCURACY: f64 = 2e-4;
 /// Relative distance from a natural frequency within which chatter lies (assumption).
 const NEAR_MODE: f64 = 0.1;
-/// Parts of half of the sampling rate between which the floor is that of the signal, and in which a filter has taken it away
-/// (assumption), and the share of it that is left there where there is a filter (assumption: 10 dB).
+/// Part of half of the sampling rate in which a filter leaves the floor as it is (assumption).
 const PASSED: [f64; 2] = [0.7, 0.85];
+/// Part of it in which a filter has taken the floor away (assumption).
 const STOPPED: [f64; 2] = [0.98, 1.0];
+/// Floor of the second part over that of the first up to which there is a filter (assumption: 10 dB).
 const LEFT: f64 = 0.316;
 
 /// Where a frequency (Hz) stands in a record of so many samples a second.

@@ -10,13 +10,14 @@ use std::borrow::Cow;
 
 /// Lines on each side over which the noise is averaged: known from a few hits alone it would scatter (assumption).
 pub(crate) const SMOOTHED: usize = 4;
-/// Coherences between which the scatter from line to line is looked at, and the least number of such pairs of lines (assumptions).
+/// Coherences between which the scatter from line to line is looked at (assumption).
 const BETWEEN: [f64; 2] = [0.05, 0.95];
+/// Least number of pairs of neighbouring lines that tell it (assumption).
 const LEAST_PAIRS: usize = 20;
 /// Median change from line to line, in standard deviations of an estimate, from which on the coherence is an estimate (assumption:
 /// of estimates it is 0.7 to 0.95, of coherence worked out without scatter below 0.1).
 const SCATTERS: f64 = 0.3;
-/// Least coherence from which a line tells its noise: written with few digits a smaller one is lost.
+/// Least coherence from which a line tells its noise (assumption: files give it with three digits).
 const TELLS: f64 = 1e-3;
 
 /// A coherence of so many readings, free of its bias.

@@ -23,7 +23,7 @@ const STIFF: f64 = 0.05;
 const LEAST_LINES: f64 = 5.0;
 /// Greatest residual of a fit over the measured response (assumption).
 pub(crate) const GREATEST_RESIDUAL: f64 = 0.15;
-/// Standard deviations by which the noise of a response may be more than its mean.
+/// Standard deviations by which the noise of a response may be more than its mean (assumption: chance reaches as far once in seven hundred).
 const CHANCE: f64 = 3.0;
 /// Share of the decay of an exponential window below which the damping of a mode is a small difference (assumption).
 const LEAST_OWN_DAMPING: f64 = 0.1;

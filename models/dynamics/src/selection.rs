@@ -59,12 +59,14 @@ pub enum SelectionProblem {
     },
     /// A picked frequency without a mode.
     #[error(
-        "a mode is picked at {pick} Hz, and the fit finds none within 5 % of it; those that stand out of this measurement are at \
+        "a mode is picked at {pick} Hz, and the fit finds none within {within} % of it; those that stand out of this measurement are at \
          {standing_out}: pick one of them, or leave the picks out"
     )]
     Missed {
         /// The picked frequency (Hz).
         pick: f64,
+        /// Greatest distance of a mode from it (%).
+        within: f64,
         /// Frequencies of the modes that are found without being asked for, in words.
         standing_out: String,
     },
@@ -107,7 +109,7 @@ pub(crate) fn unmet(
         standing_out().iter().map(|frequency| format!("{frequency:.1} Hz")).collect::<Vec<_>>().join(", ");
     let standing_out = if standing_out.is_empty() { "none".to_owned() } else { standing_out };
     Some(match missed {
-        Some(pick) => SelectionProblem::Missed { pick: *pick, standing_out },
+        Some(pick) => SelectionProblem::Missed { pick: *pick, within: 100.0 * NEAR, standing_out },
         None => SelectionProblem::Fewer { wanted, told: found.len(), standing_out },
     })
 }

@@ -242,11 +242,12 @@ pub fn listen(record: &Record, cutting: &Cutting<'_>) -> Result<Heard, DynamicsE
         let tooth_frequency = comb.spindle_frequency * f64::from(cutting.teeth);
         let centre = told.unwrap_or(frequency);
         for line in lines.iter_mut().filter(|line| line.origin == Origin::Unknown) {
-            // A line at |fc + m ft| is one of fc + m ft or of −fc − m ft, and folded one of the rate less these.
-            let folds = if unfiltered { 2 } else { 1 };
-            let places = [line.frequency, -line.frequency, record.rate - line.frequency, line.frequency - record.rate];
+            // A line at |fc + m ft| is one of fc + m ft or of −fc − m ft, and folded one of these beside multiples of the rate.
+            let folds = if unfiltered { (centre / record.rate).ceil() as i32 } else { 0 };
+            let beside = |fold: i32| [1.0, -1.0].map(|sign| f64::from(fold) * record.rate + sign * line.frequency);
+            let places = (-folds..=folds).flat_map(beside);
             let whole = |m: &f64| (m - m.round()).abs() * tooth_frequency < LOBE * frames.step();
-            let mut orders = places[..2 * folds].iter().map(|place| (place - centre) / tooth_frequency);
+            let mut orders = places.map(|place| (place - centre) / tooth_frequency);
             if let Some(order) = orders.find(whole) {
                 line.origin = Origin::Chatter(order.round() as i32);
             }

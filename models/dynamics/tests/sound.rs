@@ -355,6 +355,11 @@ fn chatter_beyond_half_of_the_sampling_rate_is_not_told_at_the_wrong_place() {
     let heard = listen(&record(24), &Cutting { natural_frequencies: &[650.0, 3040.0], ..cutting.clone() }).unwrap();
     assert!((heard.chatter_frequency.unwrap() - 3100.0).abs() < 0.5, "{heard:?}");
     assert!(heard.suggested_speeds(4, 100.0, 2000.0).len() > 2);
+    // Beyond the sampling rate, too, where the line of the chatter is told for it.
+    let heard = listen(&record(24), &Cutting { natural_frequencies: &[4850.0], ..cutting.clone() }).unwrap();
+    assert!((heard.chatter_frequency.unwrap() - 4900.0).abs() < 0.5, "{heard:?}");
+    let own = heard.lines.iter().find(|line| line.origin == Origin::Chatter(0)).expect("the line of the chatter");
+    assert!((own.frequency - 900.0).abs() < 1.0, "{own:?}");
     // Nothing of the teeth is folded: the place where the line stands, and the one where it may come from.
     let heard = listen(&record(4), &cutting).unwrap();
     assert!((heard.chatter_frequency.unwrap() - 900.0).abs() < 0.5);

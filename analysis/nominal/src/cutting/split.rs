@@ -47,7 +47,14 @@ impl<P: Nominal> Cutting<P> {
         for part in dates.into_iter().chain(others).take(MOST_RATES) {
             let shape = part.words("");
             let (greatest, least) = (entry.size.max, entry.size.min);
-            self.frame.candidates.push(Candidate { id: EffectId::from(definition), shape, typical, greatest, least });
+            self.frame.candidates.push(Candidate {
+                id: EffectId::from(definition),
+                shape,
+                typical,
+                greatest,
+                least,
+                onset: 0.0,
+            });
             self.actions.push(Action::Scoped(effect, part.scope.clone(), part.rows.clone()));
         }
     }

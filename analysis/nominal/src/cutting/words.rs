@@ -102,6 +102,7 @@ impl<P: Nominal> Cutting<P> {
                         typical,
                         greatest: entry.size.max,
                         least: entry.size.min.min(0.0),
+                        onset: 0.0,
                     },
                     action,
                 )
@@ -129,27 +130,31 @@ impl<P: Nominal> Cutting<P> {
                         || self.written_effect(i).recorded.is_some() == deviation.recorded.is_some())
             };
             let position = self.frame.candidates.iter().enumerate().position(same);
-            let index = position.or_else(|| {
-                let channels = timed(&self.frame.measured.channels, deviation.effect)?;
-                let rows = stated.rows(records, &scope);
-                let value = |row: usize| match deviation.effect {
-                    ShopEffect::FeedOverride => Some(self.durations[row]),
-                    ShopEffect::OperatorDelay => Some(1.0),
-                    ShopEffect::ToolChangeDelay => Some(firsts[row]),
-                    ShopEffect::MicroStops => Some(MICRO_STOP * self.durations[row]),
-                    ShopEffect::FeedHold => Some(deviation.share),
-                    // They decide which operations come, and add no time to one that was cut.
-                    ShopEffect::ToolChangePolicy | ShopEffect::BreakdownShape => None,
-                };
-                let column: Option<Vec<f64>> =
-                    rows.iter().enumerate().map(|(row, on)| Some(on * value(row)?)).collect();
-                let (id, column) = (EffectId::from(deviation.effect), column?);
-                let typical = if deviation.size == 0.0 { 1.0 } else { deviation.size.abs() };
-                let shape = if scope.is_everywhere() { "planned times".to_owned() } else { scope.words() };
-                let recorded = deviation.recorded;
-                let action = Action::Reading { channels, column, scope: scope.clone(), recorded };
-                Some(self.append(Candidate { id, shape, typical, greatest: f64::INFINITY, least: 0.0 }, action))
-            });
+            let index =
+                position.or_else(|| {
+                    let channels = timed(&self.frame.measured.channels, deviation.effect)?;
+                    let rows = stated.rows(records, &scope);
+                    let value = |row: usize| match deviation.effect {
+                        ShopEffect::FeedOverride => Some(self.durations[row]),
+                        ShopEffect::OperatorDelay => Some(1.0),
+                        ShopEffect::ToolChangeDelay => Some(firsts[row]),
+                        ShopEffect::MicroStops => Some(MICRO_STOP * self.durations[row]),
+                        ShopEffect::FeedHold => Some(deviation.share),
+                        // They decide which operations come, and add no time to one that was cut.
+                        ShopEffect::ToolChangePolicy | ShopEffect::BreakdownShape => None,
+                    };
+                    let column: Option<Vec<f64>> =
+                        rows.iter().enumerate().map(|(row, on)| Some(on * value(row)?)).collect();
+                    let (id, column) = (EffectId::from(deviation.effect), column?);
+                    let typical = if deviation.size == 0.0 { 1.0 } else { deviation.size.abs() };
+                    let shape = if scope.is_everywhere() { "planned times".to_owned() } else { scope.words() };
+                    let recorded = deviation.recorded;
+                    let action = Action::Reading { channels, column, scope: scope.clone(), recorded };
+                    Some(self.append(
+                        Candidate { id, shape, typical, greatest: f64::INFINITY, least: 0.0, onset: 0.0 },
+                        action,
+                    ))
+                });
             if let Some(index) = index {
                 self.frame.words.effects.push((index, deviation.size));
             }

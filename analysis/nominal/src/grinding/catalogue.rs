@@ -54,6 +54,7 @@ impl Grinding {
                     typical,
                     greatest,
                     least: effect.entry().size.min.min(0.0),
+                    onset: 0.0,
                 });
                 self.actions.push(match rows {
                     Rows::Coolant(rows) => Action::Coolant(rows),

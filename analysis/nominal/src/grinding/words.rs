@@ -76,6 +76,7 @@ impl Grinding {
                         typical,
                         greatest: entry.size.max,
                         least: entry.size.min.min(0.0),
+                        onset: 0.0,
                     });
                     let effect = effect.with_size(0.0);
                     self.actions.push(if everywhere {

@@ -23,12 +23,14 @@ const BEHIND_RAPID: [f64; 3] = [0.0, 0.15, 1.0];
 /// Times of blocks, ms, at which a block time is looked for (assumptions): from a control of today to one of the eighties.
 const BLOCKS: [f64; 4] = [4.0, 8.0, 16.0, 64.0];
 
-/// Corner deviations over that of the file at which slower corners are looked for (assumptions): corners that the file lets pass at full
-/// speed are slowed by none that is little less.
+/// Corner deviations over that of the file at which slower corners are looked for (assumptions). Several are tried, since a corner that
+/// the file lets pass at full speed is slowed only by a deviation that is far less.
 const TIGHTER: [f64; 3] = [0.5, 0.1, 0.01];
 
-/// Speeds of the spindle, and ends of motions at feed and in rapid, that a design needs to tell a ramp and a settling from other times.
+/// Speeds of the spindle that tell a ramp from a constant time of every start. Source: two give the constant and the ramp, a third
+/// its base speed.
 const SPEEDS: usize = 3;
+/// Rapid motions that tell settling behind them from that behind motions at feed (assumption).
 const RAPIDS: usize = 30;
 
 impl ProgramModel {
@@ -79,15 +81,14 @@ impl Stretches {
 
     fn add(&mut self, id: EffectId, shape: String, typical: f64, action: Action) {
         let greatest = id.entry().size.max;
-        self.frame.candidates.push(Candidate { id, shape, typical, greatest, least: 0.0 });
+        self.frame.candidates.push(Candidate { id, shape, typical, greatest, least: 0.0, onset: 0.0 });
         self.actions.push(action);
     }
 
     /// An effect that may do nothing up to its ordinary size.
     fn add_late(&mut self, id: EffectId, shape: String, typical: f64, deviation: Deviation) {
         self.add(id, shape, typical, Action::Drives(deviation));
-        self.frame.onsets.resize(self.actions.len(), 0.0);
-        self.frame.onsets[self.actions.len() - 1] = 1.0;
+        self.frame.candidates.iter_mut().last().expect("the one that was added").onset = 1.0;
     }
 
     /// A time on rows, where any has it.
@@ -163,8 +164,8 @@ impl Stretches {
         }
     }
 
-    /// Times of blocks that blocks of these programs fall short of. The first of a block time changes nothing: its derivative is
-    /// taken as far as blocks of today's and of older controls.
+    /// Block times that are longer than the shortest block of these programs. A block time below that changes nothing, so that the
+    /// derivative is taken from none to times of today's and of older controls.
     fn blocks(&mut self) {
         let own = self.model.drives.block_time;
         let motions = self.model.blocks().flat_map(|block| &block.motions);

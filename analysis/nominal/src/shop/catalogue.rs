@@ -107,7 +107,7 @@ impl ShopModel {
                 | Action::Breakdowns => 0.0,
             };
             let shape = action.shape(&scope);
-            self.frame.candidates.push(Candidate { id, shape, typical, greatest, least });
+            self.frame.candidates.push(Candidate { id, shape, typical, greatest, least, onset: 0.0 });
             self.actions.push(action);
             self.scopes.push(scope);
         }

@@ -3,19 +3,11 @@
 use super::block::{Block, Blocks, ROOT_SCORE, TAIL};
 use super::figure::{Figure, Figures};
 use super::nominal::Shop;
-use super::scaled::Scaled;
 use super::stops::{Pool, Shape, Stops};
 use super::visit::Visits;
 use statrs::distribution::{ContinuousCDF, Normal};
 use statrs::function::gamma::gamma;
-use std::sync::Arc;
 use toolroom_statistics::median;
-
-/// Where the times of each block are normal.
-pub(super) fn scales(shop: &Shop, visits: &Visits, blocks: &Blocks) -> Vec<Option<Arc<Scaled>>> {
-    let of = |block: &Block| shop.programs.get(&visits.programs[block.program?])?.scale.clone();
-    blocks.list.iter().map(of).collect()
-}
 
 /// What the nominal shop expects of every block.
 pub(super) fn expected(shop: &Shop, visits: &Visits, blocks: &Blocks) -> Vec<Figures> {

@@ -8,16 +8,14 @@ use super::super::{
 use super::action::Action;
 use super::block::{Block, Blocks};
 use super::constant::{Constant, Label};
-use super::expected::{breakdown_scores, expected, life_slope, scales};
+use super::expected::{breakdown_scores, expected, life_slope};
 use super::figure::{Figure, Figures};
 use super::logs::groups;
 use super::nominal::Shop;
-use super::scaled::Scaled;
 use super::shapes::{Shapes, Stopped};
 use super::stops::Shape;
 use super::visit::{Visits, visits};
 use rayon::prelude::*;
-use std::sync::Arc;
 use toolroom_innovations::Chain;
 use toolroom_records::{Records, Sensor};
 use toolroom_scenario::Scope;
@@ -51,8 +49,6 @@ pub struct ShopModel {
     pub(super) blocks: Blocks,
     /// Nominal value of each block by channel.
     pub(super) nominal: Vec<Figures>,
-    /// Where the times of each block are normal; `None` where they are taken as they are.
-    scales: Vec<Option<Arc<Scaled>>>,
     /// Growth of the life of edges with the wear limit, 1/m, by block.
     life_slope: Vec<f64>,
     pub(super) actions: Vec<Action>,
@@ -97,7 +93,6 @@ impl ShopModel {
         let mut model = Self {
             frame: Frame::new(Measured::new(Vec::new(), Vec::new(), Vec::new(), Vec::new())),
             nominal: expected(shop, &seen, &blocks),
-            scales: scales(shop, &seen, &blocks),
             life_slope: blocks.list.iter().map(|block| life_slope(shop, &seen, block)).collect(),
             blocks,
             actions: Vec::new(),
@@ -350,7 +345,7 @@ impl ShopModel {
             }
             // A middle goes where its times go, and with it the shape of those that are skewed by themselves.
             let longer = |nominal: f64| ((nominal * slower * block.slowed(overridden) + blocks) / nominal).ln();
-            let scale = self.scales[row].as_deref();
+            let scale = block.program.and_then(|program| self.blocks.scales[program].as_deref());
             let moved = || {
                 scale.map_or(Shape::default(), |scale| scale.shifted(longer(self.nominal[row][Figure::CuttingTime])))
             };

@@ -32,6 +32,7 @@ impl ShopModel {
                             typical,
                             greatest: f64::INFINITY,
                             least: 0.0,
+                            onset: 0.0,
                         });
                         self.actions.push(action);
                         self.scopes.push(deviation.scope.clone());

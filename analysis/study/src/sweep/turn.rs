@@ -3,9 +3,9 @@
 use crate::compare::Crossing;
 use serde_json::Value;
 
-/// Confidence of the value at which a decision turns.
+/// Confidence of the value at which a decision turns (assumption: that of other intervals of the report).
 const CONFIDENCE: f64 = 0.90;
-/// Values without which there is no line.
+/// Values without which there is no line (two are joined by one, whatever they are).
 const LEAST: usize = 3;
 
 /// Where a line through the differences of the decision is zero: a line through those of each replication, as all values see
