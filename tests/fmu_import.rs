@@ -373,6 +373,83 @@ fn a_unit_by_itself_may_crash_too_and_the_rows_before_stand() {
     assert_eq!(fs::read_to_string(&table).expect("rows").lines().count(), 12);
 }
 
+/// `fmu sim` of the unit of the tests over 200 s in steps of 10 s, its own temporary files in `folder`.
+fn simulated(folder: &Path, switch: &str, limit: &str) -> Output {
+    let unit = fixture::unit(folder, &[switch], ("", "")).display().to_string();
+    let temporary = folder.join("temporary");
+    fs::create_dir_all(&temporary).expect("writable");
+    let output = Command::new(env!("CARGO_BIN_EXE_toolroom"))
+        .args(["fmu", "sim", &unit, "--stop", "200 s", "--step", "10 s", "--start", "rate=1e-6", "--call-limit", limit])
+        .env("TMPDIR", &temporary)
+        .env("NO_COLOR", "1")
+        .output()
+        .expect("the binary runs");
+    assert_eq!(unpacked(&temporary), [""; 0], "{switch}");
+    output
+}
+
+#[test]
+fn the_call_in_which_a_unit_hangs_or_dies_is_named_wherever_it_is() {
+    for (switch, expected) in [
+        ("MAKES=for (;;)", "fmi2Instantiate answered nothing within 0.5 s (call_limit)"),
+        ("SETS=exit(0)", "setting a start value answered nothing: its process ended with exit code 0"),
+        ("ENTERS=for (;;)", "fmi2EnterInitializationMode answered nothing within 0.5 s (call_limit)"),
+        ("EXITS=abort()", "fmi2ExitInitializationMode answered nothing: its process ended by signal 6 (abort)"),
+        ("ENDS=for (;;)", "at 200 s: fmi2Terminate answered nothing within 0.5 s (call_limit)"),
+        ("BEFORE=overflow(0)", "fmi2DoStep answered nothing: its process ended by signal 11 (segmentation fault)"),
+        ("BEFORE=raise(SIGSTOP)", "fmi2DoStep answered nothing within 0.5 s (call_limit)"),
+        (
+            "BEFORE=for (int i = 3; i < 64; i++) write(i, \"\\377\\377\\377\\377\", 4)",
+            // In which call that is noticed hangs on when the stream is read.
+            "answered what cannot be read: the unit wrote to its worker's stream",
+        ),
+    ] {
+        let folder = folder();
+        let output = simulated(folder.path(), switch, "0.5 s");
+        assert_eq!(output.status.code(), Some(1), "{switch}: {}", stderr(&output));
+        assert!(words(&output).contains(&words_of(expected)), "{switch}: {}", stderr(&output));
+        assert!(!stderr(&output).contains("thread"), "{switch}: {}", stderr(&output));
+    }
+    // What fails once everything is done does no harm.
+    let folder = folder();
+    let output = simulated(folder.path(), "FREES=for (;;)", "0.5 s");
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert_eq!(String::from_utf8_lossy(&output.stdout).lines().count(), 22);
+}
+
+#[test]
+fn what_a_unit_starts_hides_no_death_of_its_worker_and_ends_with_it() {
+    for (then, code, expected) in [("_exit(3)", 1, "its process ended with exit code 3"), ("", 0, "20 steps of 10 s")] {
+        let folder = folder();
+        let started = folder.path().join("started");
+        let child =
+            format!("FILE *f = fopen(\"{}\", \"w\"); fprintf(f, \"%d\", getpid()); fclose(f)", started.display());
+        // The child is told apart by its file; it keeps every stream of the worker open.
+        let fork = format!(
+            "BEFORE=static int once; if (!once++) {{ if (!fork()) {{ {child}; pause(); }} usleep(200000); {then}; }}"
+        );
+        let output = simulated(folder.path(), &fork, "20 s");
+        assert_eq!(output.status.code(), Some(code), "{}", stderr(&output));
+        assert!(words(&output).contains(&words_of(expected)), "{}", stderr(&output));
+        let process = fs::read_to_string(&started).expect("a process was started");
+        let alive = || Command::new("kill").args(["-0", &process]).output().is_ok_and(|asked| asked.status.success());
+        // A process that was killed stays in the table until somebody has asked for it.
+        for _ in 0..100 {
+            if !alive() {
+                break;
+            }
+            std::thread::sleep(std::time::Duration::from_millis(50));
+        }
+        assert!(!alive() || zombie(&process), "process {process} is left");
+    }
+}
+
+/// Whether a process has ended and nobody has asked for it yet.
+fn zombie(process: &str) -> bool {
+    let state = Command::new("ps").args(["-o", "stat=", "-p", process]).output().expect("ps");
+    String::from_utf8_lossy(&state.stdout).trim_start().starts_with('Z')
+}
+
 #[test]
 fn a_program_that_is_killed_leaves_no_worker_and_no_folder() {
     let folder = folder();

@@ -158,7 +158,10 @@ pub(crate) trait Body: std::fmt::Debug + Send {
 
 /// What both versions of FMI can do, each in its own words.
 trait Calls: std::fmt::Debug + Send {
-    fn initialize(&mut self, start: f64) -> Result<(), CallError>;
+    /// Begins the initialisation at time `start` (s).
+    fn enter_initialization(&mut self, start: f64) -> Result<(), CallError>;
+    /// Ends the initialisation.
+    fn exit_initialization(&mut self) -> Result<(), CallError>;
     /// Begins or ends the setting of structural parameters.
     fn configure(&mut self, begin: bool) -> Result<(), CallError>;
     /// Sets as many elements as there are values.
@@ -186,7 +189,8 @@ trait Calls: std::fmt::Debug + Send {
 pub(crate) struct Local(Box<dyn Calls>);
 
 impl Local {
-    /// A new instance, initialised; `begin` hears the number of each call: instantiation, start values, the rest.
+    /// A new instance, initialised; `begin` hears the number of each call: instantiation, start values, the
+    /// begin and the end of the initialisation.
     pub fn new(
         library: &Arc<Library>,
         start_values: &[(Port, StartValue)],
@@ -221,7 +225,9 @@ impl Local {
             calls.configure(false)?;
         }
         begin(start_values.len() + 1);
-        calls.initialize(start)?;
+        calls.enter_initialization(start)?;
+        begin(start_values.len() + 2);
+        calls.exit_initialization()?;
         Ok(Self(calls))
     }
 
@@ -375,6 +381,10 @@ struct Messages(Mutex<Vec<String>>);
 /// Messages kept of one call.
 const KEPT: usize = 8;
 
+/// Most bytes of a saved state (assumption: half of what goes over to a worker at once, and far above any unit that a study of
+/// thousands of passes can use).
+const LARGEST_STATE: usize = 1 << 27;
+
 /// Letters kept of one message (assumption: what is wrong is said in them).
 const LETTERS: usize = 1000;
 
@@ -405,6 +415,15 @@ impl Messages {
     fn error(&self, function: &str, status: impl Into<String>) -> CallError {
         let messages = self.0.lock().map(|mut kept| std::mem::take(&mut *kept)).unwrap_or_default();
         CallError { function: function.to_owned(), status: status.into(), messages }
+    }
+
+    /// Makes room for a state of `size` bytes, as `function` gave it: a unit may say anything.
+    fn make_room(&self, bytes: &mut Vec<u8>, function: &str, size: usize) -> Result<(), CallError> {
+        if size > LARGEST_STATE {
+            return Err(self.error(function, format!("{size} bytes, and a state may have at most {LARGEST_STATE}")));
+        }
+        bytes.resize(size, 0);
+        Ok(())
     }
 
     /// What was said on the way is of no interest any more.

@@ -21,7 +21,7 @@ pub struct Experiment {
     pub start: Option<f64>,
     /// Stop time, s; the unit's own, the last time of the inputs, or 1.
     pub stop: Option<f64>,
-    /// Communication step, s; the unit's own, or a five-hundredth of the time.
+    /// Communication step, s; that of the default experiment where the unit takes it, the unit's own, or a five-hundredth of the time.
     pub step: Option<f64>,
     /// Start values by name, as text.
     pub start_values: BTreeMap<String, String>,
@@ -165,15 +165,19 @@ pub fn left_out(description: &ModelDescription, start: &BTreeMap<String, String>
     all.filter(|variable| !held.contains(&variable.name.as_str())).map(|variable| variable.name.clone()).collect()
 }
 
+/// Whether `length` is a multiple of `own` but for rounding.
+fn is_multiple(length: f64, own: f64) -> bool {
+    (length / own - (length / own).round()).abs() < 1e-9 * (length / own)
+}
+
 /// How many of the unit's own steps make one of `step` (s): 1 where it takes any.
 ///
 /// # Errors
 /// [`SimulateError::FixedStep`] where `step` or the time from `start` to `stop` is no multiple of its own step.
 pub fn own_steps(unit: &Unit, start: f64, stop: f64, step: f64) -> Result<u64, SimulateError> {
     let Steps::Every(own) = unit.steps() else { return Ok(1) };
-    let whole = |value: f64| (value / own - (value / own).round()).abs() < 1e-9 * (value / own);
     for (what, length, value) in [("--step", step, step), ("--stop", stop - start, stop)] {
-        if !whole(length) {
+        if !is_multiple(length, own) {
             return Err(SimulateError::FixedStep { own, what, value });
         }
     }
@@ -199,7 +203,9 @@ pub fn simulate(
     let last_input = inputs.and_then(Inputs::end);
     let stop = experiment.stop.or(last_input).or(default.stop).unwrap_or(start + 1.0);
     let fixed = if let Steps::Every(step) = unit.steps() { Some(step) } else { None };
-    let step = experiment.step.or(default.step).or(fixed).unwrap_or((stop - start) / 500.0);
+    // The step of the default experiment is a wish, that of the unit a condition.
+    let wished = default.step.filter(|step| fixed.is_none_or(|own| is_multiple(*step, own)));
+    let step = experiment.step.or(wished).or(fixed).unwrap_or((stop - start) / 500.0);
     let steps = ((stop - start) / step - 1e-9).ceil();
     if !(start.is_finite() && stop > start && step > 0.0) {
         return Err(SimulateError::Experiment { start, stop, step });

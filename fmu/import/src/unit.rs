@@ -108,8 +108,8 @@ pub(crate) struct Plan {
 /// What a description says of the equations of Model Exchange.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Equations {
-    /// Continuous states; FMI 3.0 has a function for the number.
-    pub states: u32,
+    /// Continuous states, where none of them is an array, whose size only the library knows.
+    pub states: Option<u32>,
     /// Event indicators; FMI 3.0 has a function for the number.
     pub indicators: u32,
     /// Whether the unit wants to hear of each step of the integrator.
@@ -120,8 +120,10 @@ pub(crate) struct Equations {
 
 impl Equations {
     fn of(description: &ModelDescription, interface: &Interface) -> Self {
+        let mut derivatives = description.structure.derivatives.iter();
+        let scalars = derivatives.all(|unknown| description.variables[unknown.variable].dimensions.is_empty());
         Self {
-            states: description.structure.derivatives.len() as u32,
+            states: scalars.then_some(description.structure.derivatives.len() as u32),
             indicators: description.structure.event_indicators as u32,
             completed: match description.major {
                 2 => !interface.can("completedIntegratorStepNotNeeded"),

@@ -23,6 +23,9 @@ const MOST_STEPS: u32 = 200_000;
 /// Events at one instant above which the unit counts as one that never settles (assumption; the Reference FMUs need 1).
 const MOST_EVENTS: u32 = 1000;
 
+/// Most continuous states and most event indicators (assumption: more take longer than anybody waits for; a unit may say any number).
+const MOST_STATES: usize = 1 << 20;
+
 /// Share of a step to which an event is located.
 const EVENT_TIME: f64 = 1e-13;
 
@@ -60,6 +63,8 @@ pub(super) trait Equations: Calls {
 #[derive(Debug)]
 pub(super) struct Exchange<E> {
     unit: E,
+    /// Time at which it was initialised, s.
+    start: f64,
     /// Time of the next time event, s.
     next: Option<f64>,
     /// The same of saved states.
@@ -86,7 +91,7 @@ impl<E: Equations> Exchange<E> {
     /// A driver of `unit`, whose derivatives have these names.
     pub fn new(unit: E, names: &[String]) -> Self {
         let names = names.to_vec();
-        Self { unit, next: None, saved: BTreeMap::new(), indicators: 0, states: Vec::new(), names }
+        Self { unit, start: 0.0, next: None, saved: BTreeMap::new(), indicators: 0, states: Vec::new(), names }
     }
 
     /// Settles the discrete states in Event Mode; true where the unit ends the simulation.
@@ -116,6 +121,13 @@ impl<E: Equations> Exchange<E> {
         if !x.is_empty() {
             unit.states(x)?;
             unit.nominals(&mut nominals)?;
+            if let Some((i, value)) = not_finite(&nominals) {
+                let wrong = format!(
+                    "at {time} s the nominal value of state {} of {count} = {value}, which is no finite number",
+                    i + 1
+                );
+                return Err(unit.stuck(wrong));
+            }
             unit.derivatives(stages.first())?;
             if let Some(wrong) = not_finite(stages.first()) {
                 return Err(unit.stuck(told(*time, wrong)));
@@ -202,11 +214,22 @@ impl<E: Equations> Exchange<E> {
 }
 
 impl<E: Equations> Calls for Exchange<E> {
-    fn initialize(&mut self, start: f64) -> Result<(), CallError> {
-        self.unit.initialize(start)?;
+    fn enter_initialization(&mut self, start: f64) -> Result<(), CallError> {
+        self.start = start;
+        self.unit.enter_initialization(start)
+    }
+
+    fn exit_initialization(&mut self) -> Result<(), CallError> {
+        self.unit.exit_initialization()?;
         let (states, indicators) = self.unit.sizes()?;
+        if states.max(indicators) > MOST_STATES {
+            let said = format!(
+                "{states} states and {indicators} event indicators, at most {MOST_STATES} of each are integrated"
+            );
+            return Err(self.unit.stuck(said));
+        }
         (self.states, self.indicators) = (vec![0.0; states], indicators);
-        if self.settle(start)? {
+        if self.settle(self.start)? {
             return Err(self.unit.stuck("an end of the simulation at its start".to_owned()));
         }
         Ok(())

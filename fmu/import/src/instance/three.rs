@@ -161,11 +161,14 @@ impl Three {
 }
 
 impl Calls for Three {
-    fn initialize(&mut self, start: f64) -> Result<(), CallError> {
+    fn enter_initialization(&mut self, start: f64) -> Result<(), CallError> {
         // SAFETY (here and below): the instance is alive and the pointers hold for the call.
         let status =
             unsafe { self.binding().fmi3EnterInitializationMode(self.instance, false, 0.0, start, false, 0.0) };
-        self.judge("fmi3EnterInitializationMode", status)?;
+        self.judge("fmi3EnterInitializationMode", status)
+    }
+
+    fn exit_initialization(&mut self) -> Result<(), CallError> {
         let status = unsafe { self.binding().fmi3ExitInitializationMode(self.instance) };
         self.judge("fmi3ExitInitializationMode", status)
     }
@@ -301,7 +304,7 @@ impl Calls for Three {
         let (instance, mut size) = (self.instance, 0);
         let status = unsafe { self.binding().fmi3SerializedFMUStateSize(instance, state, &mut size) };
         self.judge("fmi3SerializedFMUStateSize", status)?;
-        bytes.resize(size, 0);
+        self.messages.make_room(bytes, "fmi3SerializedFMUStateSize", size)?;
         let status = unsafe { self.binding().fmi3SerializeFMUState(instance, state, bytes.as_mut_ptr(), size) };
         self.judge("fmi3SerializeFMUState", status)
     }
@@ -336,7 +339,13 @@ impl Equations for Three {
         self.judge("fmi3GetNumberOfContinuousStates", status)?;
         let status = unsafe { self.binding().fmi3GetNumberOfEventIndicators(self.instance, &mut indicators) };
         self.judge("fmi3GetNumberOfEventIndicators", status)?;
-        Ok((states, indicators))
+        match self.library.equations.as_ref().and_then(|equations| equations.states) {
+            Some(described) if described as usize != states => {
+                let said = format!("{states}, and its description has {described}");
+                Err(self.messages.error("fmi3GetNumberOfContinuousStates", said))
+            }
+            Some(_) | None => Ok((states, indicators)),
+        }
     }
 
     fn enter_event_mode(&mut self) -> Result<(), CallError> {

@@ -150,12 +150,15 @@ impl Two {
 }
 
 impl Calls for Two {
-    fn initialize(&mut self, start: f64) -> Result<(), CallError> {
+    fn enter_initialization(&mut self, start: f64) -> Result<(), CallError> {
         // SAFETY (here and below): the component is alive and the pointers hold for the call.
         let status = unsafe { self.binding().fmi2SetupExperiment(self.component, 0, 0.0, start, 0, 0.0) };
         self.judge("fmi2SetupExperiment", status)?;
         let status = unsafe { self.binding().fmi2EnterInitializationMode(self.component) };
-        self.judge("fmi2EnterInitializationMode", status)?;
+        self.judge("fmi2EnterInitializationMode", status)
+    }
+
+    fn exit_initialization(&mut self) -> Result<(), CallError> {
         let status = unsafe { self.binding().fmi2ExitInitializationMode(self.component) };
         self.judge("fmi2ExitInitializationMode", status)
     }
@@ -264,7 +267,7 @@ impl Calls for Two {
         let (component, mut size) = (self.component, 0);
         let status = unsafe { self.binding().fmi2SerializedFMUstateSize(component, state, &mut size) };
         self.judge("fmi2SerializedFMUstateSize", status)?;
-        bytes.resize(size, 0);
+        self.messages.make_room(bytes, "fmi2SerializedFMUstateSize", size)?;
         let status = unsafe { self.binding().fmi2SerializeFMUstate(component, state, bytes.as_mut_ptr().cast(), size) };
         self.judge("fmi2SerializeFMUstate", status)
     }
@@ -295,7 +298,11 @@ impl Calls for Two {
 
 impl Equations for Two {
     fn sizes(&mut self) -> Result<(usize, usize), CallError> {
-        Ok(self.library.equations.as_ref().map_or((0, 0), |sizes| (sizes.states as usize, sizes.indicators as usize)))
+        Ok(self
+            .library
+            .equations
+            .as_ref()
+            .map_or((0, 0), |sizes| (sizes.states.unwrap_or_default() as usize, sizes.indicators as usize)))
     }
 
     fn enter_event_mode(&mut self) -> Result<(), CallError> {

@@ -269,7 +269,8 @@ impl<'a> Request<'a> {
                 bytes.byte(u8::from(plan.equations.is_some()));
                 let none = Equations::default();
                 let Equations { states, indicators, completed, names } = plan.equations.as_ref().unwrap_or(&none);
-                bytes.whole(*states);
+                bytes.byte(u8::from(states.is_some()));
+                bytes.whole(states.unwrap_or_default());
                 bytes.whole(*indicators);
                 bytes.byte(u8::from(*completed));
                 bytes.whole(names.len() as u32);
@@ -327,7 +328,9 @@ impl<'a> Request<'a> {
                 let (has, resources) = (content.byte()? > 0, content.text()?);
                 let resources = has.then_some(resources);
                 let exchange = content.byte()? > 0;
-                let (states, indicators, completed) = (content.whole()?, content.whole()?, content.byte()? > 0);
+                let (known, states) = (content.byte()? > 0, content.whole()?);
+                let states = known.then_some(states);
+                let (indicators, completed) = (content.whole()?, content.byte()? > 0);
                 let names = content.list(Content::text)?;
                 let equations = exchange.then_some(Equations { states, indicators, completed, names });
                 let plan = Plan { major, file, name, token, resources, equations };
@@ -420,7 +423,8 @@ mod tests {
         let names = vec!["der(x)".to_owned(), "der(y)".to_owned()];
         for (resources, equations) in [
             (None, None),
-            (Some("r/".to_owned()), Some(Equations { states: 2, indicators: 3, completed: true, names })),
+            (None, Some(Equations::default())),
+            (Some("r/".to_owned()), Some(Equations { states: Some(2), indicators: 3, completed: true, names })),
         ] {
             let [file, name, token] = ["a.so", "a", "{a}"].map(str::to_owned);
             let plan = Plan { major: 3, file, name, token, resources, equations };

@@ -4,6 +4,7 @@
 //! for each batch of actions; how far a batch came stands in shared memory, so that the call is known in which a
 //! worker hangs or dies. A worker ends with the program, however that ends, and removes the unit's folder then.
 
+mod group;
 mod message;
 mod progress;
 mod serve;
@@ -154,9 +155,12 @@ impl Workers {
             let number = worker.instances;
             let request = Request::New { number, start_values: start_values.to_vec(), start };
             let named = |call: usize| match call {
-                0 => format!("fmi{major}Instantiate"),
+                0 if major == 2 => "fmi2Instantiate".to_owned(),
+                0 if exchange => "fmi3InstantiateModelExchange".to_owned(),
+                0 => "fmi3InstantiateCoSimulation".to_owned(),
                 call if call <= start_values.len() => "setting a start value".to_owned(),
-                _ => format!("the initialisation (fmi{major}ExitInitializationMode)"),
+                call if call == start_values.len() + 1 => format!("fmi{major}EnterInitializationMode"),
+                _ => format!("fmi{major}ExitInitializationMode"),
             };
             worker.ask(&request.write(), &named)?;
             number
@@ -214,7 +218,7 @@ impl Worker {
             return Err(failed("the worker".to_owned(), format!("no more: {reason}")));
         }
         let (mut seen, mut since) = (self.progress.look(), Instant::now());
-        let mut result = send(&mut self.stream, request);
+        let (mut result, mut ended) = (send(&mut self.stream, request), false);
         while result.is_ok() {
             match receive(&mut self.reader, &mut self.content, LOOKS) {
                 Ok(true) => match read_reply(&self.content) {
@@ -222,6 +226,12 @@ impl Worker {
                     Err(error) => result = Err(error),
                 },
                 Ok(false) => result = Err(io::ErrorKind::UnexpectedEof.into()),
+                // What a unit started may hold the stream open when its worker is gone, which may have answered before.
+                Err(error) if waits(&error) && !matches!(self.child.try_wait(), Ok(None)) => {
+                    if std::mem::replace(&mut ended, true) {
+                        result = Err(io::ErrorKind::UnexpectedEof.into());
+                    }
+                }
                 // A call that began since the last look has its own time.
                 Err(error) if waits(&error) && (self.progress.look() != seen || since.elapsed() < self.limit) => {
                     let now = self.progress.look();
@@ -232,29 +242,35 @@ impl Worker {
                 Err(error) => result = Err(error),
             }
         }
-        let late = result.as_ref().err().is_some_and(waits);
+        let error = result.err().unwrap_or_else(|| io::ErrorKind::UnexpectedEof.into());
+        let (late, broken) = (waits(&error), error.kind() == io::ErrorKind::InvalidData);
         let function = named(self.progress.look() as u32 as usize);
-        let status = self.end(late);
+        let status = self.end(late || broken);
         let reason = if late {
             format!("nothing within {} s (call_limit); its process was ended", self.limit.as_secs_f64())
+        } else if broken {
+            "what cannot be read: the unit wrote to its worker's stream; its process was ended".to_owned()
         } else {
-            format!("nothing: its process ended {}", status.map_or("somehow".to_owned(), ended))
+            format!("nothing: its process ended {}", status.map_or("somehow".to_owned(), how))
         };
         self.dead = Some(reason.clone());
         Err(failed(function, reason))
     }
 
-    /// Ends the process and says how it ended.
+    /// Ends the process, and what the unit started in it, and says how it ended.
     fn end(&mut self, at_once: bool) -> Option<ExitStatus> {
-        let begin = Instant::now();
-        while !at_once && begin.elapsed() < PATIENCE {
-            if let Ok(Some(status)) = self.child.try_wait() {
-                return Some(status);
+        let (begin, mut patience) = (Instant::now(), if at_once { Duration::ZERO } else { PATIENCE });
+        while begin.elapsed() < patience {
+            if !matches!(self.child.try_wait(), Ok(None)) {
+                patience = Duration::ZERO;
+            } else {
+                std::thread::sleep(Duration::from_millis(1));
             }
-            std::thread::sleep(Duration::from_millis(1));
         }
         let _ = self.child.kill();
-        self.child.wait().ok()
+        let status = self.child.wait().ok();
+        group::end(self.child.id());
+        status
     }
 }
 
@@ -269,7 +285,7 @@ impl Drop for Worker {
     }
 }
 
-fn ended(status: ExitStatus) -> String {
+fn how(status: ExitStatus) -> String {
     match (status.code(), status.signal()) {
         (Some(code), _) => format!("with exit code {code}"),
         (None, Some(4)) => "by signal 4 (illegal instruction)".to_owned(),

@@ -2,6 +2,7 @@
 
 #![allow(unsafe_code)] // file descriptors
 
+use super::group;
 use super::message::{Reply, Request, receive, send, write_reply};
 use super::progress::Progress;
 use crate::instance::{Answer, CallError, Local};
@@ -16,7 +17,14 @@ use std::sync::{Arc, Mutex, PoisonError};
 unsafe extern "C" {
     fn dup2(from: i32, to: i32) -> i32;
     fn _exit(code: i32) -> !;
+    fn signal(number: i32, handler: usize) -> usize;
 }
+
+/// `SIGSEGV` and `SIGBUS`, whose numbers are those of the system.
+const FAULTS: [i32; 2] = [11, if cfg!(target_os = "macos") { 10 } else { 7 }];
+
+/// What the system does with a signal by itself: `SIG_DFL`.
+const DEFAULT: usize = 0;
 
 /// Serves as a worker until the program ends it.
 ///
@@ -30,6 +38,10 @@ pub fn serve() -> io::Result<()> {
     // SAFETY: both descriptors are open; nobody else has begun to use them.
     if unsafe { dup2(2, 1) } < 0 {
         return Err(io::Error::last_os_error());
+    }
+    for fault in FAULTS {
+        // SAFETY: no handler is set. That of the standard library would speak of an overflow of toolroom's own stack.
+        unsafe { signal(fault, DEFAULT) };
     }
     let folder = Arc::new(Mutex::new(None));
     watch(Arc::clone(&folder))?;
@@ -52,6 +64,7 @@ fn watch(folder: Arc<Mutex<Option<PathBuf>>>) -> io::Result<()> {
             // The program may be removing it as well.
             let _ = std::fs::remove_dir_all(folder);
         }
+        group::end_own();
         // SAFETY: ends the process without running what the unit may have registered.
         unsafe { _exit(1) }
     };

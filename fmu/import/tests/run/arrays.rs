@@ -197,6 +197,11 @@ fn a_unit_of_fixed_steps_takes_them_in_a_simulation_or_says_why_not() {
     assert_eq!(step, "the unit takes steps of 0.25 s only: --step = 0.3 s is no multiple of it");
     let stop = refused(Experiment { stop: Some(1.9), ..Experiment::default() });
     assert_eq!(stop, "the unit takes steps of 0.25 s only: --stop = 1.9 s is no multiple of it");
+    // What the default experiment would like gives way to what the unit can.
+    let own = ("canHandleVariableCommunicationStepSize=\"true\"", "fixedInternalStepSize=\"0.3\"");
+    let unit = Arc::new(Unit::load(&super::unit(folder.path(), &[], own), &Isolation::None).expect("it loads"));
+    let done = simulate(&unit, &Experiment::default(), None, &mut Vec::new()).expect("to the end");
+    assert_eq!((done.step, done.steps), (0.3, 200));
 }
 
 #[test]

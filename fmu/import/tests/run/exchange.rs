@@ -1,6 +1,6 @@
 //! Units of Model Exchange.
 
-use super::fixture::changed;
+use super::fixture::{changed, compiled};
 use super::{input, machine, wiring};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -100,6 +100,47 @@ fn a_unit_ends_a_simulation_or_cannot_be_integrated_and_says_so() {
         ("UNDEFINED=42", "cannot be integrated any further: at 42"),
     ] {
         let error = rows(&exchange(folder.path(), &[switch]), 100.0, 10.0).expect_err(switch).to_string();
+        assert!(error.contains(expected), "{error}");
+    }
+}
+
+/// A unit of FMI 3.0 with one state, which grows by 0.5 in each second.
+const SCALAR: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
+<fmiModelDescription fmiVersion="3.0" modelName="array" instantiationToken="{array}">
+  <ModelExchange modelIdentifier="array"/>
+  <DefaultExperiment startTime="0" stopTime="2" stepSize="0.5"/>
+  <ModelVariables>
+    <Float64 name="time" valueReference="0" causality="independent" variability="continuous"/>
+    <Float64 name="rate" valueReference="5" causality="input" start="0.5"/>
+    <Float64 name="state" valueReference="6" causality="output" initial="exact" start="0"/>
+    <Float64 name="der(state)" valueReference="8" causality="local" derivative="6"/>
+  </ModelVariables>
+  <ModelStructure>
+    <Output valueReference="6"/><ContinuousStateDerivative valueReference="8"/><InitialUnknown valueReference="8"/>
+  </ModelStructure>
+</fmiModelDescription>"#;
+
+#[test]
+fn a_library_that_contradicts_its_description_about_its_states_is_refused() {
+    let folder = TempDir::new().expect("a folder");
+    let run = |switch: &str| {
+        let source = include_str!("array.c");
+        let path = compiled(folder.path(), "array", source, SCALAR, &["EXCHANGE", switch], 3);
+        let unit = Arc::new(Unit::load(&path, &Isolation::None).expect("it loads"));
+        let experiment = Experiment { start_values: [("rate".into(), "0.5".into())].into(), ..Experiment::default() };
+        let mut rows = Vec::new();
+        simulate(&unit, &experiment, None, &mut rows).map(|_| String::from_utf8(rows).expect("UTF-8"))
+    };
+    let sound = run("STATES=1").expect("to the end");
+    let grown: f64 = sound.trim_end().rsplit(',').next().and_then(|cell| cell.parse().ok()).expect("a number");
+    assert!((grown - 1.0).abs() < 1e-12, "{sound}");
+    for (switch, expected) in [
+        ("STATES=0", "fmi3GetNumberOfContinuousStates answered 0, and its description has 1"),
+        ("STATES=2", "fmi3GetNumberOfContinuousStates answered 2, and its description has 1"),
+        ("INDICATORS=(size_t)-1", "event indicators, at most 1048576 of each are integrated"),
+        ("NOMINAL=NAN", "at 0 s the nominal value of state 1 of 1 = NaN, which is no finite number"),
+    ] {
+        let error = run(switch).expect_err(switch).to_string();
         assert!(error.contains(expected), "{error}");
     }
 }

@@ -268,6 +268,17 @@ fn a_value_that_is_read_between_two_steps_is_read_again_where_the_first_instance
 }
 
 #[test]
+fn a_state_of_more_bytes_than_there_can_be_is_refused() {
+    let folder = TempDir::new().expect("a folder");
+    for size in ["1 << 27 | 1", "(size_t)1 << 62", "(size_t)-1"] {
+        let path = unit(folder.path(), &[&format!("SIZE={size}")], ("", ""));
+        let refused = machine(&path, &wiring()).expect_err(size).to_string();
+        let expected = "bytes, and a state may have at most 134217728";
+        assert!(refused.contains("fmi2SerializedFMUstateSize answered") && refused.contains(expected), "{refused}");
+    }
+}
+
+#[test]
 fn a_unit_that_cannot_be_loaded_is_told_why() {
     let folder = TempDir::new().expect("a folder");
     let load = |path: &Path| Unit::load(path, &Isolation::None).map(|_| ()).expect_err("refused");

@@ -7,7 +7,9 @@
    UNITS   only as many instances as it says are alive at one time
    VALUE   the wear that it tells of, mm, from 100 s on
    GAIN    in place of its wear a multiple of its speed in m/min, at once
-   BEFORE  an expression that is evaluated before each step from 100 s on, such as a crash
+   BEFORE  an expression that is evaluated before each step from 100 s on, such as a crash; MAKES, ENTERS, EXITS, SETS,
+   ENDS, FREES  the same as it is instantiated, enters and exits Initialization Mode, is given a real, is terminated, freed
+   SIZE    the bytes that it says its saved state takes
    DISCARD longest step that it takes, s; TERMINATE  the time at which it ends the simulation, s
    BEHIND  with DISCARD: it took nothing of a step that it discards, and its own time is behind by rounding
    LAST    a path: fmi2Terminate writes a line with the time there; UNENDED  fmi2Terminate fails
@@ -17,6 +19,7 @@
    REFUSES  no derivatives after this time, s; UNDEFINED  derivatives that are no numbers from this time on, s;
    STIFF  equations for an implicit integrator */
 #include <math.h>
+#include <signal.h>
 #include <unistd.h>
 #include <stddef.h>
 #include <stdio.h>
@@ -43,6 +46,35 @@ static const State START = {0.0, 0.5, 0.0, 1e-6, 1};
 static int units;
 static double last, ended;
 
+#ifndef MAKES
+#define MAKES
+#endif
+#ifndef ENTERS
+#define ENTERS
+#endif
+#ifndef EXITS
+#define EXITS
+#endif
+#ifndef SETS
+#define SETS
+#endif
+#ifndef ENDS
+#define ENDS
+#endif
+#ifndef FREES
+#define FREES
+#endif
+#ifndef SIZE
+#define SIZE sizeof(State)
+#endif
+
+/* Runs out of stack. */
+static int overflow(int n) {
+    volatile char much[4096];
+    much[0] = n;
+    return overflow(n + 1) + much[0];
+}
+
 #define E __attribute__((visibility("default")))
 
 static int refuse(Unit *unit, const char *text) {
@@ -64,6 +96,7 @@ E void *fmi2Instantiate(const char *name, int type, const char *guid, const char
     callbacks->log(callbacks->environment, name, 3, "logAll", "the licence has run out");
     return NULL;
 #endif
+    MAKES;
     if (strcmp(guid, "{wear}")) return NULL;
 #ifdef UNITS
     if (__atomic_add_fetch(&units, 1, __ATOMIC_RELAXED) > UNITS) {
@@ -77,6 +110,7 @@ E void *fmi2Instantiate(const char *name, int type, const char *guid, const char
     return unit;
 }
 E void fmi2FreeInstance(void *u) {
+    FREES;
     __atomic_sub_fetch(&units, 1, __ATOMIC_RELAXED);
     free(u);
 }
@@ -84,9 +118,16 @@ E int fmi2SetupExperiment(void *u, int t, double tolerance, double start, int s,
     ((Unit *)u)->state.time = start;
     return 0;
 }
-E int fmi2EnterInitializationMode(void *u) { return 0; }
-E int fmi2ExitInitializationMode(void *u) { return 0; }
+E int fmi2EnterInitializationMode(void *u) {
+    ENTERS;
+    return 0;
+}
+E int fmi2ExitInitializationMode(void *u) {
+    EXITS;
+    return 0;
+}
 E int fmi2Terminate(void *u) {
+    ENDS;
 #ifdef LAST
     FILE *file = fopen(LAST, "a");
     fprintf(file, "%g\n", ((Unit *)u)->state.time);
@@ -119,6 +160,7 @@ E int fmi2GetReal(void *u, const unsigned *r, size_t n, double *v) {
     return 0;
 }
 E int fmi2SetReal(void *u, const unsigned *r, size_t n, const double *v) {
+    SETS;
     State *s = &((Unit *)u)->state;
     for (size_t i = 0; i < n; i++) {
         if (r[i] == 1) s->speed = v[i] / 60;
@@ -168,7 +210,7 @@ E int fmi2FreeFMUstate(void *u, void **s) {
     return 0;
 }
 E int fmi2SerializedFMUstateSize(void *u, void *s, size_t *n) {
-    *n = sizeof(State);
+    *n = SIZE;
     return 0;
 }
 E int fmi2SerializeFMUstate(void *u, void *s, char *b, size_t n) {
