@@ -503,6 +503,36 @@ fn check_refuses_what_run_would_refuse() {
         assert!(words(&output).contains(&words_of("cannot go back to an earlier state")), "{}", stderr(&output));
     }
     assert!(!Path::new(&out).exists());
+    // A break interrupts a pass whatever becomes of the part when the shift is over, and so does a person who goes home.
+    let text = fs::read_to_string(&scenario).expect("a scenario");
+    let (before, rest) = text.split_once("[[failure]]").expect("breakdowns");
+    let steady = format!("{before}[[policy]]{}", rest.split_once("[[policy]]").expect("policies").1);
+    let dated = steady.replace("[shop]", "[shop]\nstart = \"2026-03-30 06:00\"");
+    let week = "week = { mon-fri = [\"06:00-14:00\"] }\nat_end = \"finish\"\n";
+    let of_machine = |calendar: &str| {
+        let machine = format!("[[calendar]]\nname = \"early\"\n{week}{calendar}\n[[machine]]\ncalendar = \"early\"");
+        dated.replacen("[[machine]]", &machine, 1)
+    };
+    let person = format!(
+        "[[calendar]]\nname = \"early\"\n{week}\n[[operator]]\nname = \"Ann\"\nskills = [\"cut\"]\ncalendar = \"early\"\n\n[[machine]]"
+    );
+    let attended = dated
+        .replacen("[[machine]]", &person, 1)
+        .replace("name = \"turn\"", "name = \"turn\"\noperator = { run = \"cut\" }");
+    for (text, by) in [
+        (of_machine("breaks = [\"10:00-10:15\"]"), Some("a break of calendar `early`")),
+        (attended, Some("the end of a shift or a break of operator `Ann`")),
+        (of_machine(""), None),
+        (steady, None),
+    ] {
+        fs::write(&scenario, text).expect("writable");
+        let output = expect(if by.is_some() { 2 } else { 0 }, &["check", &scenario]);
+        let refused = by.map(|by| format!("passes on machine `L1` are interrupted by {by}"));
+        assert!(refused.is_none_or(|told| words(&output).contains(&words_of(&told))), "{}", stderr(&output));
+        if by.is_none() {
+            expect(0, &["run", &scenario, "--policy", "constant", "--replications", "1", "--out", &out, "--force"]);
+        }
+    }
     // States in memory are enough for breakdowns.
     let unit = fixture::unit(folder.path(), &[], ("canSerializeFMUstate=\"true\"", ""));
     let scenario = with_unit(folder.path(), &unit);

@@ -315,6 +315,13 @@ fn every_fault_of_a_description_is_found_by_its_rule() {
             Description,
             "is neither known nor unknown at first, not calculated",
         ),
+        (
+            THREE,
+            "</ModelVariables>",
+            "<Binary name=\"key\" valueReference=\"77\" causality=\"parameter\" variability=\"fixed\"><Start value=\"2\"/></Binary></ModelVariables>",
+            Description,
+            "key: start = \"2\" is no binary",
+        ),
     ];
     for (sound, from, to, rule, expected) in cases {
         let text = sound.replacen(from, to, 1);

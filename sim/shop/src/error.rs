@@ -50,14 +50,15 @@ pub enum ShopError {
     /// A unit without FMU state on a machine that is interrupted within passes.
     #[error(
         "tool `{tool}` is a unit that cannot go back to an earlier state (canGetAndSetFMUState), but \
-         passes on machine `{machine}` are interrupted: take its breakdowns out and let shifts finish the part, or \
-         export the unit with FMU state"
+         passes on machine `{machine}` are interrupted by {by}: do without, or export the unit with FMU state"
     )]
     CannotGoBack {
         /// Tool name.
         tool: String,
         /// Machine name.
         machine: String,
+        /// What interrupts them.
+        by: String,
     },
     /// A process of fixed steps that no step brings to the end of a pass.
     #[error(

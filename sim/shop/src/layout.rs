@@ -1,6 +1,7 @@
 //! What the engine looks up again and again, resolved once for a scenario.
 
 use super::error::ShopError;
+use super::forward_only;
 use super::job::Jobs;
 use super::machine_plan::MachinePlan;
 use super::operation_plan::{ContentPlan, OperationPlan, Passes};
@@ -411,22 +412,7 @@ fn check(scenario: &Scenario) -> Result<(), ShopError> {
             }
         }
     }
-    let interrupted = |machine: usize| {
-        let shifts = scenario.machines[machine].calendar.map(|calendar| &scenario.calendars[calendar]);
-        let breaks = scenario.failures.iter().any(|failure| failure.machine == machine);
-        breaks || shifts.is_some_and(|calendar| calendar.at_end != Interruption::Finish)
-    };
-    for operation in scenario.parts.iter().flat_map(|part| &part.operations) {
-        let tools = (0..operation.work.passes()).filter_map(|pass| operation.tool_of_pass(pass));
-        for tool in tools.map(|tool| &scenario.tools[tool]) {
-            if let Some(&machine) = operation.machines.iter().find(|machine| interrupted(**machine))
-                && !tool.process.machine_process().goes_back()
-            {
-                let machine = scenario.machines[machine].name.clone();
-                return Err(ShopError::CannotGoBack { tool: tool.name.clone(), machine });
-            }
-        }
-    }
+    forward_only::check(scenario)?;
     fixed_steps(scenario)?;
     for (part, _) in scenario.arrivals.iter().flat_map(|arrival| &arrival.parts) {
         inside("part", *part, scenario.parts.len())?;

@@ -53,6 +53,7 @@ mod error;
 mod event;
 mod fixture;
 mod flow;
+mod forward_only;
 mod grinding;
 mod in_process;
 mod inspection;

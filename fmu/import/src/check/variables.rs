@@ -104,7 +104,9 @@ fn start(variable: &Variable) -> Option<String> {
         }
         ValueType::Enumeration => each.parse::<i64>().is_ok(),
         ValueType::Boolean => matches!(each, "true" | "false" | "1" | "0"),
-        ValueType::String | ValueType::Binary | ValueType::Clock => true,
+        // Bytes of two hexadecimal digits each.
+        ValueType::Binary => each.len().is_multiple_of(2) && each.bytes().all(|digit| digit.is_ascii_hexdigit()),
+        ValueType::String | ValueType::Clock => true,
     };
     (!text.split_whitespace().all(fits)).then(|| format!("start = \"{text}\" is no {}", variable.value_type))
 }
