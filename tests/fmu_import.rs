@@ -503,7 +503,7 @@ fn check_refuses_what_run_would_refuse() {
         assert!(words(&output).contains(&words_of("cannot go back to an earlier state")), "{}", stderr(&output));
     }
     assert!(!Path::new(&out).exists());
-    // A break interrupts a pass whatever becomes of the part when the shift is over, and so does a person who goes home.
+    // A break interrupts a pass whatever becomes of the part when the shift is over, and so does a wait for a person.
     let text = fs::read_to_string(&scenario).expect("a scenario");
     let (before, rest) = text.split_once("[[failure]]").expect("breakdowns");
     let steady = format!("{before}[[policy]]{}", rest.split_once("[[policy]]").expect("policies").1);
@@ -513,15 +513,13 @@ fn check_refuses_what_run_would_refuse() {
         let machine = format!("[[calendar]]\nname = \"early\"\n{week}{calendar}\n[[machine]]\ncalendar = \"early\"");
         dated.replacen("[[machine]]", &machine, 1)
     };
-    let person = format!(
-        "[[calendar]]\nname = \"early\"\n{week}\n[[operator]]\nname = \"Ann\"\nskills = [\"cut\"]\ncalendar = \"early\"\n\n[[machine]]"
-    );
+    let person = "[[operator]]\nname = \"Ann\"\nskills = [\"cut\"]\n\n[[machine]]";
     let attended = dated
-        .replacen("[[machine]]", &person, 1)
+        .replacen("[[machine]]", person, 1)
         .replace("name = \"turn\"", "name = \"turn\"\noperator = { run = \"cut\" }");
     for (text, by) in [
         (of_machine("breaks = [\"10:00-10:15\"]"), Some("a break of calendar `early`")),
-        (attended, Some("the end of a shift or a break of operator `Ann`")),
+        (attended, Some("waits for the person who attends operation `turn`")),
         (of_machine(""), None),
         (steady, None),
     ] {

@@ -30,22 +30,18 @@ fn of_machine(scenario: &Scenario, machine: usize) -> Option<String> {
         return Some(format!("the end of a shift of calendar `{}` (at_end = \"finish\" would not)", calendar.name));
     }
     // A break does, whatever becomes of the part when the shift is over.
-    leaves(calendar, scenario.horizon, true).then(|| format!("a break of calendar `{}`", calendar.name))
+    pauses(calendar, scenario.horizon).then(|| format!("a break of calendar `{}`", calendar.name))
 }
 
-/// Who attends the passes of an operation and leaves them when a shift or a break of one's own comes.
+/// Whether a pass waits for somebody to attend it: it is planned before, and again when the person has come.
 fn of_people(scenario: &Scenario, operation: &Operation) -> Option<String> {
-    let skill = operation.attendance.run?;
-    let going = scenario.operators.iter().find(|operator| {
-        let calendar = operator.calendar.and_then(|calendar| scenario.calendars.get(calendar));
-        operator.skills.contains(&skill) && calendar.is_some_and(|own| leaves(own, scenario.horizon, false))
-    });
-    going.map(|operator| format!("the end of a shift or a break of operator `{}`, who attends them", operator.name))
+    let attended = operation.attendance.run.is_some() && !scenario.operators.is_empty();
+    attended.then(|| format!("waits for the person who attends operation `{}`", operation.name))
 }
 
-/// Whether working time ends before `horizon` (s), by a break where only `breaks` are asked for.
-fn leaves(calendar: &ShiftCalendar, horizon: f64, breaks: bool) -> bool {
+/// Whether a break comes before `horizon` (s).
+fn pauses(calendar: &ShiftCalendar, horizon: f64) -> bool {
     std::iter::successors(calendar.next_boundary(0.0), |last| calendar.next_boundary(last.time))
         .take_while(|boundary| boundary.time < horizon)
-        .any(|boundary| if breaks { boundary.pauses } else { !boundary.starts })
+        .any(|boundary| boundary.pauses)
 }
