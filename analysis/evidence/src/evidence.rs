@@ -6,10 +6,9 @@
 //! it. The gain of a model is therefore that of the penalised likelihood, in which such a journey
 //! is paid for; groups left out say whether all of them speak for it.
 
-use crate::{Factor, Gram, factor, log_determinant, part, part_column};
+use crate::{Factor, Fold, Gram, factor, part, part_column};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
-use std::borrow::Cow;
 
 /// Prior standard deviation of an effect, in ordinary sizes: all but flat.
 pub const EFFECT_PRIOR: f64 = 20.0;
@@ -29,13 +28,67 @@ pub struct Evidence {
     pub admissible: bool,
 }
 
+/// Prior precision of a column.
+fn precision(column: usize, nuisance: usize) -> f64 {
+    if column < nuisance { 1.0 } else { EFFECT_PRIOR.powi(-2) }
+}
+
 /// Normal equations over the columns `at` with the priors, of which those not below `nuisance` are free.
 fn with_priors(gram: &Gram, at: &[usize], nuisance: usize) -> (DMatrix<f64>, DVector<f64>) {
     let mut all = part(&gram.total, at, at);
     for i in 0..at.len() {
-        all[(i, i)] += if at[i] < nuisance { 1.0 } else { EFFECT_PRIOR.powi(-2) };
+        all[(i, i)] += precision(at[i], nuisance);
     }
     (all, part_column(&gram.total, at, gram.last()))
+}
+
+/// The part of a fold in normal equations over some columns: its rows there, and theirs in the fold.
+struct Held<'a> {
+    fold: &'a Fold,
+    rows: Vec<(usize, usize)>,
+    /// The row of the residual in the fold, where it is not zero there.
+    residual: Option<usize>,
+}
+
+impl<'a> Held<'a> {
+    fn new(gram: &Gram, fold: &'a Fold, at: &[usize]) -> Self {
+        let mut places = vec![None; gram.total.ncols()];
+        at.iter().enumerate().for_each(|(place, column)| places[*column] = Some(place));
+        let row = |(own, column): (usize, &usize)| Some((places[*column]?, own));
+        let rows = fold.at.iter().enumerate().filter_map(row).collect();
+        Self { fold, rows, residual: fold.at.binary_search(&gram.last()).ok() }
+    }
+
+    /// Products with the residual.
+    fn right(&self, count: usize) -> DVector<f64> {
+        let mut right = DVector::zeros(count);
+        if let Some(residual) = self.residual {
+            self.rows.iter().for_each(|(place, own)| right[*place] = self.fold.matrix[(*own, residual)]);
+        }
+        right
+    }
+
+    /// Squared length of the residual.
+    fn square(&self) -> f64 {
+        self.residual.map_or(0.0, |residual| self.fold.matrix[(residual, residual)])
+    }
+
+    /// Takes the fold out of `matrix`.
+    fn taken_out_of(&self, matrix: &mut DMatrix<f64>) {
+        for (i, row) in &self.rows {
+            self.rows.iter().for_each(|(j, column)| matrix[(*i, *j)] -= self.fold.matrix[(*row, *column)]);
+        }
+    }
+
+    /// The fold times `x`.
+    fn times(&self, x: &DVector<f64>) -> DVector<f64> {
+        let mut product = DVector::zeros(x.len());
+        for (j, column) in &self.rows {
+            let value = x[*j];
+            self.rows.iter().for_each(|(i, row)| product[*i] += self.fold.matrix[(*row, *column)] * value);
+        }
+        product
+    }
 }
 
 /// Solution and predictive densities of a model over the columns `at`, of which those not below
@@ -58,7 +111,11 @@ impl<'a> Factored<'a> {
     /// Of a model over the columns `at`, of which those not below `nuisance` are free.
     pub fn new(gram: &'a Gram, at: &[usize], nuisance: usize) -> Self {
         let (all, _) = with_priors(gram, at, nuisance);
-        let train = |held: &DMatrix<f64>| factor(&all - part(held, at, at));
+        let train = |fold: &Fold| {
+            let mut train = all.clone();
+            Held::new(gram, fold, at).taken_out_of(&mut train);
+            factor(train)
+        };
         let trains = gram.folds.par_iter().map(train).collect();
         Self { gram, at: at.to_vec(), nuisance, whole: factor(all), trains }
     }
@@ -68,9 +125,9 @@ impl<'a> Factored<'a> {
     pub fn with(&self, more: &[usize], range: &dyn Fn(usize) -> [f64; 2]) -> Evidence {
         let (gram, nuisance) = (self.gram, self.nuisance);
         let at: Vec<usize> = self.at.iter().chain(more).copied().collect();
-        let (all, right) = with_priors(gram, &at, nuisance);
-        let whole = extended(&self.whole, &all);
-        let log_whole = log_determinant(&whole);
+        let right = part_column(&gram.total, &at, gram.last());
+        let whole = self.extended(&self.whole, &at, None);
+        let log_whole = whole.log_determinant();
         let solution = whole.solve(&right);
         let squares = gram.total[(gram.last(), gram.last())];
         let profile = -0.5 * (squares - right.dot(&solution));
@@ -80,44 +137,52 @@ impl<'a> Factored<'a> {
             let beyond = (solution[i] - greatest).max(least - solution[i]);
             signed && (beyond <= 0.0 || beyond <= BEYOND * error(&whole, i))
         });
-        let fold = |((matrix, determinant), train): ((&DMatrix<f64>, &f64), &Factor)| -> f64 {
-            let (held, held_right) = (part(matrix, &at, &at), part_column(matrix, &at, gram.last()));
-            let squares = matrix[(gram.last(), gram.last())];
-            let train = extended(train, &(&all - &held));
-            let log_train = log_determinant(&train);
+        let fold = |(fold, train): (&Fold, &Factor)| -> f64 {
+            let held = Held::new(gram, fold, &at);
+            let held_right = held.right(at.len());
+            let train = self.extended(train, &at, Some(&held));
             let beta = train.solve(&(&right - &held_right));
-            let explained = &held * &beta;
+            let explained = held.times(&beta);
             let gradient = &held_right - &explained;
             let quadratic =
-                squares - 2.0 * beta.dot(&held_right) + beta.dot(&explained) - gradient.dot(&whole.solve(&gradient));
-            -0.5 * (quadratic + log_whole - log_train + determinant)
+                held.square() - 2.0 * beta.dot(&held_right) + beta.dot(&explained) - whole.square_by_inverse(&gradient);
+            -0.5 * (quadratic + log_whole - train.log_determinant() + fold.log_determinant)
         };
-        let folds = gram.folds.par_iter().zip(&gram.log_determinants).zip(&self.trains).map(fold).collect();
+        let folds = gram.folds.par_iter().zip(&self.trains).map(fold).collect();
         Evidence { profile, folds, admissible }
     }
-}
 
-/// The factor of `matrix`, of which `factored` is that of the first rows and columns.
-fn extended<'a>(factored: &'a Factor, matrix: &DMatrix<f64>) -> Cow<'a, Factor> {
-    let mut known = Cow::Borrowed(factored);
-    for place in factored.l_dirty().nrows()..matrix.nrows() {
-        let column: DVector<f64> = matrix.view((0, place), (place + 1, 1)).column(0).into_owned();
-        let longer = known.insert_column(place, column);
-        let pivot = longer.l_dirty()[(place, place)];
-        // A diagonal that rounding has spoilt is lifted where all is factored anew.
-        if !(pivot.is_finite() && pivot > 0.0) {
-            return Cow::Owned(factor(matrix.clone()));
+    /// The factor over the columns `at`, of which `factored` is that of the first, without what is `held` out.
+    fn extended(&self, factored: &Factor, at: &[usize], held: Option<&Held<'_>>) -> Factor {
+        let mut known = factored.clone();
+        for place in factored.size()..at.len() {
+            let mut row: Vec<f64> = at[..=place].iter().map(|i| self.gram.total[(*i, at[place])]).collect();
+            row[place] += precision(at[place], self.nuisance);
+            if let Some(held) = held
+                && let Some((_, own)) = held.rows.iter().find(|(own, _)| *own == place)
+            {
+                let inside = held.rows.iter().filter(|(i, _)| *i <= place);
+                inside.for_each(|(i, other)| row[*i] -= held.fold.matrix[(*other, *own)]);
+            }
+            let Some(longer) = known.bordered(&row) else {
+                // A diagonal that rounding has spoilt is lifted where all is factored anew.
+                let (mut all, _) = with_priors(self.gram, at, self.nuisance);
+                if let Some(held) = held {
+                    held.taken_out_of(&mut all);
+                }
+                return factor(all);
+            };
+            known = longer;
         }
-        known = Cow::Owned(longer);
+        known
     }
-    known
 }
 
 /// Standard deviation of unknown `i` of normal equations.
 fn error(matrix: &Factor, i: usize) -> f64 {
-    let mut unit = DVector::zeros(matrix.l_dirty().nrows());
+    let mut unit = DVector::zeros(matrix.size());
     unit[i] = 1.0;
-    matrix.solve(&unit)[i].sqrt()
+    matrix.square_by_inverse(&unit).sqrt()
 }
 
 /// Solution of everything that was fitted, column `i` of `at` within ± `reach[i]`; columns beyond the end of `reach` are
@@ -130,8 +195,11 @@ pub fn solution(gram: &Gram, at: &[usize], nuisance: usize, reach: &[f64]) -> DV
 /// Solutions with each fold left out; `reach` as in [`solution`].
 pub fn left_out_solutions(gram: &Gram, at: &[usize], nuisance: usize, reach: &[f64]) -> Vec<DVector<f64>> {
     let (all, right) = with_priors(gram, at, nuisance);
-    let solve = |matrix: &DMatrix<f64>| {
-        within(&(&all - part(matrix, at, at)), &(&right - part_column(matrix, at, gram.last())), reach)
+    let solve = |fold: &Fold| {
+        let held = Held::new(gram, fold, at);
+        let mut train = all.clone();
+        held.taken_out_of(&mut train);
+        within(&train, &(&right - held.right(at.len())), reach)
     };
     gram.folds.par_iter().map(solve).collect()
 }
@@ -139,40 +207,38 @@ pub fn left_out_solutions(gram: &Gram, at: &[usize], nuisance: usize, reach: &[f
 /// Solution of the normal equations `matrix · x = right` with |xᵢ| at most `reach[i]`; unknowns beyond the end of
 /// `reach` are free. An unknown that would leave its range is held at its end, the farthest first, until all keep theirs.
 pub fn within(matrix: &DMatrix<f64>, right: &DVector<f64>, reach: &[f64]) -> DVector<f64> {
-    let mut held: Vec<(usize, f64)> = Vec::new();
+    let whole = factor(matrix.clone());
+    let free = whole.solve(right);
+    // What is held, at which value, and how a force on it moves everything.
+    let mut held: Vec<(usize, f64, DVector<f64>)> = Vec::new();
     loop {
-        let free: Vec<usize> = (0..right.len()).filter(|i| held.iter().all(|(own, _)| own != i)).collect();
-        let mut solution = if held.is_empty() {
-            factor(matrix.clone()).solve(right)
-        } else {
-            let mut right = DVector::from_fn(free.len(), |i, _| right[free[i]]);
-            for (column, value) in &held {
-                right -= part_column(matrix, &free, *column) * *value;
-            }
-            let inside = factor(part(matrix, &free, &free)).solve(&right);
-            let mut all = DVector::zeros(matrix.nrows());
-            free.iter().zip(inside.iter()).for_each(|(i, x)| all[*i] = *x);
-            all
-        };
-        held.iter().for_each(|(own, value)| solution[*own] = *value);
+        let mut solution = free.clone();
+        if !held.is_empty() {
+            let moved = DMatrix::from_fn(held.len(), held.len(), |i, j| held[j].2[held[i].0]);
+            let too_far = DVector::from_iterator(held.len(), held.iter().map(|(own, value, _)| free[*own] - value));
+            let forces = factor(moved).solve(&too_far);
+            held.iter().zip(forces.iter()).for_each(|((_, _, moves), force)| solution.axpy(-force, moves, 1.0));
+            held.iter().for_each(|(own, value, _)| solution[*own] = *value);
+        }
         let beyond = |i: &usize| solution[*i].abs() - reach.get(*i).copied().unwrap_or(f64::INFINITY);
-        let farthest = free.into_iter().filter(|i| beyond(i) > 0.0).max_by(|a, b| beyond(a).total_cmp(&beyond(b)));
+        let leaves = |i: &usize| beyond(i) > 0.0 && held.iter().all(|(own, ..)| own != i);
+        let farthest = (0..right.len()).filter(leaves).max_by(|a, b| beyond(a).total_cmp(&beyond(b)));
         let Some(farthest) = farthest else { return solution };
-        held.push((farthest, reach[farthest].copysign(solution[farthest])));
+        let mut force = DVector::zeros(right.len());
+        force[farthest] = 1.0;
+        held.push((farthest, reach[farthest].copysign(solution[farthest]), whole.solve(&force)));
     }
 }
 
-/// Log marginal likelihood of everything that was fitted, over all columns.
-pub fn marginal(gram: &Gram, nuisance: usize) -> f64 {
+/// Log marginal likelihood of everything that was fitted, over all columns with these prior precisions, beside constants.
+pub fn marginal(gram: &Gram, precision: &[f64]) -> f64 {
     let columns: Vec<usize> = (0..gram.last()).collect();
     let mut all = part(&gram.total, &columns, &columns);
-    for i in 0..columns.len() {
-        all[(i, i)] += if i < nuisance { 1.0 } else { 1.0 / 9.0 };
-    }
+    columns.iter().for_each(|i| all[(*i, *i)] += precision[*i]);
     let right = part_column(&gram.total, &columns, gram.last());
     let whole = factor(all);
     let squares = gram.total[(gram.last(), gram.last())];
-    -0.5 * (squares - right.dot(&whole.solve(&right)) + log_determinant(&whole) + gram.log_determinant)
+    -0.5 * (squares - whole.square_by_inverse(&right) + whole.log_determinant() + gram.log_determinant)
 }
 
 /// Gain of one model over another in log posterior density.
@@ -198,8 +264,7 @@ mod tests {
         // One reading a fold of an effect alone, its size 4 with an error of 1 and next to no prior.
         let columns = DMatrix::from_row_slice(2, 2, &[1.0, 4.0, 4.0, 16.0]);
         let gram = Gram {
-            folds: vec![columns.clone()],
-            log_determinants: vec![0.0],
+            folds: vec![Fold { at: vec![0, 1], matrix: columns.clone(), log_determinant: 0.0 }],
             total: columns,
             log_determinant: 0.0,
             lengths: DVector::from_column_slice(&[1.0, 16.0]),
@@ -222,14 +287,19 @@ mod tests {
     fn a_model_with_more_columns_is_that_of_all_of_them() {
         // Nine readings of four columns and a residual in three folds; the last two columns are effects.
         let x = DMatrix::from_fn(9, 5, |i, j| ((3 * i + 5 * j + i * j) % 7) as f64 - 3.0);
-        let folds: Vec<DMatrix<f64>> = (0..3).map(|fold| x.rows(3 * fold, 3).tr_mul(&x.rows(3 * fold, 3))).collect();
-        let gram = Gram {
-            log_determinants: vec![0.0; 3],
-            total: folds.iter().sum(),
-            folds,
-            log_determinant: 0.0,
-            lengths: DVector::zeros(5),
+        // The first fold knows nothing of the second and the last column but one.
+        let at = |fold: usize| if fold == 0 { vec![0, 2, 4] } else { (0..5).collect() };
+        let fold = |fold: usize| {
+            let rows = DMatrix::from_fn(3, at(fold).len(), |i, j| x[(3 * fold + i, at(fold)[j])]);
+            Fold { at: at(fold), matrix: rows.tr_mul(&rows), log_determinant: 0.0 }
         };
+        let folds: Vec<Fold> = (0..3).map(fold).collect();
+        let mut total = DMatrix::zeros(5, 5);
+        for Fold { at, matrix, .. } in &folds {
+            let entries = (0..at.len()).flat_map(|i| (0..at.len()).map(move |j| (i, j)));
+            entries.for_each(|(i, j)| total[(at[i], at[j])] += matrix[(i, j)]);
+        }
+        let gram = Gram { total, folds, log_determinant: 0.0, lengths: DVector::zeros(5) };
         let free = |_: usize| [f64::NEG_INFINITY, f64::INFINITY];
         let base = Factored::new(&gram, &[0, 1], 2);
         for more in [&[][..], &[2], &[3], &[3, 2]] {

@@ -13,6 +13,7 @@
 
 mod amplitude;
 mod evidence;
+mod factor;
 mod gram;
 mod kernel;
 mod matrix;
@@ -21,6 +22,7 @@ pub use amplitude::amplitudes;
 pub use evidence::{
     EFFECT_PRIOR, Evidence, Factored, evidence, gain, left_out_solutions, marginal, predictive_gain, solution, within,
 };
-pub use gram::{Batch, Gram};
+pub use factor::{Factor, factor};
+pub use gram::{Batch, Fold, Gram};
 pub use kernel::matern_columns;
-pub use matrix::{Factor, crossed, factor, inverse_diagonal, log_determinant, part, part_column, squared};
+pub use matrix::{crossed, part, part_column, squared};

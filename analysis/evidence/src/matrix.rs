@@ -1,52 +1,8 @@
-//! Products, factors and parts of the matrices that normal equations are made of.
+//! Products and parts of the matrices that normal equations are made of.
 
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use std::ops::Range;
-
-/// A positive definite factor.
-pub type Factor = Cholesky<f64, Dyn>;
-
-/// Cholesky factor; a diagonal that rounding has spoilt is lifted.
-pub fn factor(mut matrix: DMatrix<f64>) -> Factor {
-    let size = matrix.nrows();
-    let scale = matrix.diagonal().amax().max(1.0);
-    let mut lift = 1e-12 * scale;
-    while lift < scale {
-        if let Some(factor) = Cholesky::new(matrix.clone()) {
-            return factor;
-        }
-        for i in 0..size {
-            matrix[(i, i)] += lift;
-        }
-        lift *= 10.0;
-    }
-    // Numbers that are none: whatever is solved with this is zero.
-    Cholesky::new(DMatrix::identity(size, size) * 1e300).unwrap_or_else(|| Cholesky::pack_dirty(matrix))
-}
-
-/// Diagonal of the inverse of a factored matrix: `Σ (L⁻¹)²` by columns, each from its first row on.
-pub fn inverse_diagonal(factor: &Factor) -> DVector<f64> {
-    let lower = factor.l_dirty();
-    let size = lower.nrows();
-    let square = |first: usize| {
-        let mut x = vec![0.0; size - first];
-        x[0] = 1.0;
-        for i in first..size {
-            let column = &lower.as_slice()[i * size..(i + 1) * size];
-            let (solved, below) = x[i - first..].split_at_mut(1);
-            solved[0] /= column[i];
-            below.iter_mut().zip(&column[i + 1..]).for_each(|(x, l)| *x -= solved[0] * l);
-        }
-        x.iter().map(|x| x * x).sum::<f64>()
-    };
-    DVector::from_vec((0..size).into_par_iter().map(square).collect())
-}
-
-/// `ln det` of a factored matrix.
-pub fn log_determinant(factor: &Factor) -> f64 {
-    2.0 * factor.l_dirty().diagonal().iter().map(|value| value.ln()).sum::<f64>()
-}
 
 /// Columns of a block of a product with itself: fewer waste the kernel, more leave less to be saved and shared.
 const BLOCK: usize = 72;
@@ -112,14 +68,6 @@ pub fn part_column(matrix: &DMatrix<f64>, at: &[usize], column: usize) -> DVecto
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_diagonal_of_the_inverse_is_that_of_the_inverse() {
-        let x = DMatrix::from_fn(9, 7, |i, j| ((3 * i + 5 * j) % 11) as f64 + if i == j { 9.0 } else { 0.0 });
-        let factor = factor(x.tr_mul(&x));
-        let (fast, plain) = (inverse_diagonal(&factor), factor.inverse().diagonal());
-        assert!((&fast - &plain).amax() < 1e-12 * plain.amax(), "{fast} {plain}");
-    }
 
     #[test]
     fn blocks_of_a_square_are_the_whole_product() {

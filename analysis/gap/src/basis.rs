@@ -1,7 +1,7 @@
 //! Noise and scatter that every model of a diagnosis is judged by.
 
 use super::fit::{Fit, fit, offset_residual};
-use super::gram::{factor, inverse_diagonal, part, part_column};
+use super::gram::{factor, part, part_column};
 use super::{ChannelId, Forward, Gram, Linear, Measured, Method, Noise, Point, evidence, generic};
 use rayon::prelude::*;
 
@@ -37,31 +37,22 @@ impl Basis {
         let measured = &model.frame().measured;
         let linear = &at.linear;
         let dictionary = generic::dictionary(model, linear);
-        let columns: Vec<&[f64]> = linear
-            .nuisance
-            .iter()
-            .chain(linear.effects.iter())
-            .map(Vec::as_slice)
-            .chain(dictionary.iter().map(|signature| signature.column.as_slice()))
-            .collect();
+        let calibration = linear.nuisance.iter().map(|column| (1.0, column.as_slice()));
+        let effects = linear.effects.iter().map(|column| (CANDIDATE_PRECISION, column.as_slice()));
+        let generic = dictionary.iter().map(|own| (GENERIC_PRIOR.powi(-2), own.column.as_slice()));
+        let (prior, columns) = by_end(calibration.chain(effects).chain(generic).collect());
         let residual = offset_residual(model, linear, &at.active);
         let local_scale = scatter(model, linear, &before.noise, &residual);
         let gram =
             super::gram::normal_equations(measured, &before.noise, linear, &columns, &residual, &local_scale, &[]);
-        let (nuisance, effects) = (linear.nuisance.len(), linear.effects.len());
         let all: Vec<usize> = (0..columns.len()).collect();
-        let prior = |i: usize| match i {
-            i if i < nuisance => 1.0,
-            i if i < nuisance + effects => CANDIDATE_PRECISION,
-            _ => GENERIC_PRIOR.powi(-2),
-        };
         let mut ridge = part(&gram.total, &all, &all);
-        all.iter().for_each(|i| ridge[(*i, *i)] += prior(*i));
+        all.iter().for_each(|i| ridge[(*i, *i)] += prior[*i]);
         let ridge = factor(ridge);
         let solution = ridge.solve(&part_column(&gram.total, &all, gram.last()));
         // Degrees of freedom used: the trace of ridge⁻¹ (ridge − prior).
-        let inverse = inverse_diagonal(&ridge);
-        let used: f64 = all.iter().map(|i| 1.0 - prior(*i) * inverse[*i]).sum();
+        let inverse = ridge.inverse_diagonal();
+        let used: f64 = prior.iter().zip(inverse.iter()).map(|(prior, inverse)| 1.0 - prior * inverse).sum();
         let mut left = residual;
         for (column, x) in columns.iter().zip(solution.iter()) {
             left.iter_mut().zip(*column).for_each(|(left, slope)| *left -= slope * x);
@@ -138,19 +129,27 @@ pub(super) fn warm(model: &dyn Forward, mut point: Point) -> Point {
     point
 }
 
+/// Columns with their prior precisions, those that end together side by side: most of a factor of their normal equations is
+/// zero then.
+fn by_end(mut columns: Vec<(f64, &[f64])>) -> (Vec<f64>, Vec<&[f64]>) {
+    columns.sort_by_key(|(_, column)| column.iter().rposition(|value| *value != 0.0));
+    columns.into_iter().unzip()
+}
+
 /// Scatter of the estimated local factors, by the evidence of a model with all candidates.
 fn scatter(model: &dyn Forward, linear: &Linear, noise: &Noise, residual: &[f64]) -> Vec<f64> {
     let measured = &model.frame().measured;
     let mut scale = vec![1.0; model.frame().locals.len()];
-    let columns: Vec<&[f64]> = linear.nuisance.iter().chain(linear.effects.iter()).map(Vec::as_slice).collect();
+    let calibration = linear.nuisance.iter().map(|column| (1.0, column.as_slice()));
+    let effects = linear.effects.iter().map(|column| (CANDIDATE_PRECISION, column.as_slice()));
+    let (prior, columns) = by_end(calibration.chain(effects).collect());
     for kind in (0..scale.len()).filter(|kind| model.frame().locals[*kind].estimated) {
         let trials: Vec<Vec<f64>> = SCALES
             .iter()
             .map(|factor| scale.iter().enumerate().map(|(i, own)| if i == kind { *factor } else { *own }).collect())
             .collect();
         let grams = super::gram::at_scales(measured, noise, linear, &columns, residual, &trials);
-        let weight =
-            |(gram, factor): (&Gram, &f64)| evidence::marginal(gram, linear.nuisance.len()) - 0.5 * factor * factor;
+        let weight = |(gram, factor): (&Gram, &f64)| evidence::marginal(gram, &prior) - 0.5 * factor * factor;
         let weights: Vec<f64> = grams.par_iter().zip(&SCALES).map(weight).collect();
         let best = (0..SCALES.len()).max_by(|a, b| weights[*a].total_cmp(&weights[*b])).unwrap_or(0);
         scale[kind] = SCALES[best];

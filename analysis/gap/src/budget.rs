@@ -35,7 +35,7 @@ impl Stage {
         (count..at.len()).for_each(|i| x[i] = 0.0);
         let right = part_column(&gram.total, at, gram.last());
         let left = gram.total[(gram.last(), gram.last())] - 2.0 * right.dot(&x) + x.dot(&(&matrix * &x));
-        let kept = super::gram::inverse_diagonal(&factor(matrix));
+        let kept = factor(matrix).inverse_diagonal();
         let chance = (0..count).map(|i| 1.0 - prior(i) * kept[i]).sum();
         Self { left, chance }
     }
@@ -90,7 +90,7 @@ mod tests {
             &[100.0, 0.0, 100.0 * x, 0.0, 100.0, 0.0, 100.0 * x, 0.0, 100.0 * x * x + 20.0],
         );
         let lengths = total.diagonal();
-        Gram { folds: Vec::new(), log_determinants: Vec::new(), total, log_determinant: 0.0, lengths }
+        Gram { folds: Vec::new(), total, log_determinant: 0.0, lengths }
     }
 
     #[test]
@@ -109,7 +109,7 @@ mod tests {
         // A constant and an effect that move the readings alike.
         let total = DMatrix::from_element(3, 3, 10_000.0);
         let lengths = total.diagonal();
-        let gram = Gram { folds: Vec::new(), log_determinants: Vec::new(), total, log_determinant: 0.0, lengths };
+        let gram = Gram { folds: Vec::new(), total, log_determinant: 0.0, lengths };
         let nominal = Stage { left: 10_000.0, chance: 0.0 };
         let alone = Stage::of(&gram, &[0], 1).after(nominal).beyond(nominal);
         let effects = Stage::of_first(&gram, &[1, 0], 1, 1).after(nominal);

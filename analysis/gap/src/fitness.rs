@@ -8,7 +8,7 @@
 use super::channel_scale::ChannelScale;
 use super::constants::{FEWEST_VALUES, NULL_LEVEL};
 use super::fit::offset_residual;
-use super::gram::{factor, inverse_diagonal, normal_equations, part};
+use super::gram::{factor, normal_equations, part};
 use super::{
     Basis, ChannelId, EffectId, Fit, Fitness, Forward, LeastSeen, Measured, Noise, Part, Structure, Transform,
 };
@@ -195,7 +195,7 @@ impl<'a> Test<'a> {
         let mut precision = part(&gram.total, &shared, &shared);
         shared.iter().for_each(|i| precision[(*i, *i)] += 1.0);
         // The trace of the hat matrix: of what is shared, and of the factors of the groups.
-        let by_shared: f64 = inverse_diagonal(&factor(precision)).iter().map(|variance| 1.0 - variance).sum();
+        let by_shared: f64 = factor(precision).inverse_diagonal().iter().map(|variance| 1.0 - variance).sum();
         let own = |(kind, column): (usize, &Vec<f64>)| -> f64 {
             let white = self.noise.whiten(measured, column);
             let square = |group: usize| {

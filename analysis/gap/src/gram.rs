@@ -3,8 +3,9 @@
 use super::{Linear, Measured, Noise};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
+use std::ops::Range;
 use toolroom_evidence::{Batch, Gram, crossed, squared};
-pub(crate) use toolroom_evidence::{factor, inverse_diagonal, part, part_column};
+pub(crate) use toolroom_evidence::{factor, part, part_column};
 
 /// Groups that are multiplied at a time where no folds are requested: many rows at once are faster,
 /// few columns of groups need less memory.
@@ -22,7 +23,7 @@ pub fn normal_equations(
     folds: &[Vec<usize>],
 ) -> Gram {
     let batches = batches(measured, noise, linear, columns, residual, folds);
-    Gram::from_batches(&batches, local_scale, !folds.is_empty())
+    Gram::from_batches(columns.len() + 1, &batches, local_scale, !folds.is_empty())
 }
 
 /// The same for several scales of the local factors, without folds.
@@ -35,7 +36,7 @@ pub(super) fn at_scales(
     local_scales: &[Vec<f64>],
 ) -> Vec<Gram> {
     let batches = batches(measured, noise, linear, columns, residual, &[]);
-    local_scales.iter().map(|local_scale| Gram::from_batches(&batches, local_scale, false)).collect()
+    local_scales.iter().map(|scale| Gram::from_batches(columns.len() + 1, &batches, scale, false)).collect()
 }
 
 /// Products of whitened columns, by fold or by batches of the fitted groups; at least one.
@@ -48,24 +49,29 @@ fn batches(
     folds: &[Vec<usize>],
 ) -> Vec<Batch> {
     let all: Vec<&[f64]> = columns.iter().copied().chain([residual]).collect();
-    let white: Vec<Vec<f64>> = all.par_iter().map(|column| noise.whiten(measured, column)).collect();
-    let locals: Vec<Vec<f64>> = linear.locals.iter().map(|column| noise.whiten(measured, column)).collect();
+    let locals: Vec<&[f64]> = linear.locals.iter().map(Vec::as_slice).collect();
     let fitted: Vec<usize> = measured.fitted_groups().collect();
     let part_of = |groups: &[usize]| {
         let spans: Vec<_> = groups.iter().map(|group| measured.spans[*group].clone()).collect();
-        let rows = spans.iter().map(|span| span.len()).sum();
-        let gathered = |columns: &[Vec<f64>]| {
+        let rows = spans.iter().map(Range::len).sum();
+        // Most constants of a shop move few groups.
+        let moves = |column: &[f64]| spans.iter().any(|span| column[span.clone()].iter().any(|value| *value != 0.0));
+        let at: Vec<usize> = (0..all.len()).filter(|place| moves(all[*place])).collect();
+        let (mut standard, mut white) = (vec![0.0; measured.len()], vec![0.0; measured.len()]);
+        let mut gathered = |columns: &mut dyn ExactSizeIterator<Item = &[f64]>| {
             let mut matrix = DMatrix::zeros(rows, columns.len());
             for (to, column) in matrix.as_mut_slice().chunks_exact_mut(rows.max(1)).zip(columns) {
                 let mut row = 0;
-                for span in &spans {
-                    to[row..row + span.len()].copy_from_slice(&column[span.clone()]);
+                for (group, span) in groups.iter().zip(&spans) {
+                    noise.whiten_group(measured, *group, column, &mut standard, &mut white);
+                    to[row..row + span.len()].copy_from_slice(&white[span.clone()]);
                     row += span.len();
                 }
             }
             matrix
         };
-        let (x, z) = (gathered(&white), gathered(&locals));
+        let x = gathered(&mut at.iter().map(|place| all[*place]));
+        let z = gathered(&mut locals.iter().copied());
         let mut first = 0;
         let groups = spans.iter().map(|span| {
             let inside = first..first + span.len();
@@ -73,7 +79,7 @@ fn batches(
             (crossed(&z, &x, &inside), crossed(&z, &z, &inside))
         });
         let groups = groups.collect();
-        Batch { squares: squared(&x), groups }
+        Batch { squares: squared(&x), at, groups }
     };
     match folds {
         [] if fitted.is_empty() => vec![part_of(&[])],

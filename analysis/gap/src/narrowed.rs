@@ -16,7 +16,6 @@ use super::gram::{factor, normal_equations, part};
 use super::reframed::Reframed;
 use super::{Basis, Fit, Forward};
 use nalgebra::DMatrix;
-use toolroom_evidence::log_determinant;
 
 /// Effects beside which the scale of constants is judged (count). Assumption: more causes at a time are rare, and each
 /// would take what a constant may have moved.
@@ -123,11 +122,11 @@ impl<'a> Tried<'a> {
         let mut matrix = part(&self.total, &nuisance, &nuisance);
         (0..self.nuisance).for_each(|i| matrix[(i, i)] += precision[i]);
         let whole = factor(matrix);
-        let cross = part(&self.total, &nuisance, &rest);
-        let mut left = part(&self.total, &rest, &rest) - cross.tr_mul(&whole.solve(&cross));
+        let cross = whole.half_solved(&part(&self.total, &nuisance, &rest));
+        let mut left = part(&self.total, &rest, &rest) - cross.tr_mul(&cross);
         let residual = rest.len() - 1;
         let prior: f64 = precision.iter().map(|own| own.ln()).sum();
-        let mut density = 0.5 * (prior - log_determinant(&whole) - left[(residual, residual)]);
+        let mut density = 0.5 * (prior - whole.log_determinant() - left[(residual, residual)]);
         let price = (self.two_sided.len().max(1) as f64).ln();
         for _ in 0..BESIDE {
             let gain = |candidate: usize| {

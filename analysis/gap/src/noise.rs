@@ -174,44 +174,62 @@ impl Noise {
 
     /// `column` in units of the noise, neighbours uncorrelated.
     pub fn whiten(&self, measured: &Measured, column: &[f64]) -> Vec<f64> {
-        let standardised = self.standardised(measured, column);
-        let mut white = vec![0.0; column.len()];
-        for run in &measured.runs {
-            let memory = self.memory[measured.observations[run.start].channel];
-            let innovation = (1.0 - memory * memory).sqrt();
+        let (mut standard, mut white) = (vec![0.0; column.len()], vec![0.0; column.len()]);
+        (0..measured.spans.len())
+            .for_each(|group| self.whiten_group(measured, group, column, &mut standard, &mut white));
+        white
+    }
+
+    /// The same in the span of one group of `white`, which is as long as `column`; so is `standard`, which holds what is
+    /// worked out on the way.
+    pub fn whiten_group(
+        &self,
+        measured: &Measured,
+        group: usize,
+        column: &[f64],
+        standard: &mut [f64],
+        white: &mut [f64],
+    ) {
+        self.standardise(measured, group, column, standard);
+        for run in measured.runs_of(group) {
             // Most columns move few channels.
-            if standardised[run.clone()].iter().all(|value| *value == 0.0) {
+            if standard[run.clone()].iter().all(|value| *value == 0.0) {
+                white[run.clone()].fill(0.0);
                 continue;
             }
+            let memory = self.memory[measured.observations[run.start].channel];
+            let innovation = (1.0 - memory * memory).sqrt();
             let mut before: Option<f64> = None;
             for i in run.clone() {
-                let standard = standardised[i];
                 white[i] = match before {
-                    None => standard,
-                    Some(before) => (standard - memory * before) / innovation,
+                    None => standard[i],
+                    Some(before) => (standard[i] - memory * before) / innovation,
                 } * self.weight[i];
-                before = Some(standard);
+                before = Some(standard[i]);
             }
         }
-        white
     }
 
     /// `column` in units of the predicted standard deviation, what rows have in common taken out; memory within a run
     /// is left.
     fn standardised(&self, measured: &Measured, column: &[f64]) -> Vec<f64> {
-        let mut standardised = vec![0.0; column.len()];
-        if self.filters.is_empty() {
-            let entries = standardised.iter_mut().zip(column).enumerate();
-            entries.for_each(|(i, (to, value))| *to = value / self.deviation(measured, i));
-            return standardised;
+        let mut standard = vec![0.0; column.len()];
+        (0..measured.spans.len()).for_each(|group| self.standardise(measured, group, column, &mut standard));
+        standard
+    }
+
+    /// The same in the span of one group.
+    fn standardise(&self, measured: &Measured, group: usize, column: &[f64], standard: &mut [f64]) {
+        let span = measured.spans[group].clone();
+        // Many columns move few groups.
+        if column[span.clone()].iter().all(|value| *value == 0.0) {
+            standard[span].fill(0.0);
+            return;
         }
-        for (filter, span) in self.filters.iter().zip(&measured.spans) {
-            // Many columns move few groups.
-            if column[span.clone()].iter().any(|value| *value != 0.0) {
-                filter.whiten(column, &mut standardised);
-            }
+        match self.filters.get(group) {
+            Some(filter) => filter.whiten(column, standard),
+            None => span.for_each(|i| standard[i] = column[i] / self.deviation(measured, i)),
         }
-        standardised
     }
 
     /// Standard deviation of an observation's noise, transformed.

@@ -36,10 +36,10 @@ pub fn scores(gram: &Gram, first: usize, free: &[usize]) -> Scores {
     for i in 0..first {
         matrix[(i, i)] += if free.contains(&i) { super::evidence::EFFECT_PRIOR.powi(-2) } else { 1.0 };
     }
-    let cross = part(&gram.total, &nuisance, &columns);
     let mut rest = part(&gram.total, &columns, &columns);
     if first > 0 {
-        rest -= cross.tr_mul(&factor(matrix).solve(&cross));
+        let cross = factor(matrix).half_solved(&part(&gram.total, &nuisance, &columns));
+        rest -= cross.tr_mul(&cross);
     }
     let count = columns.len() - 1;
     let square = |i: usize| rest[(i, i)].max(0.0);
@@ -74,12 +74,12 @@ pub fn max_null(cosine: &DMatrix<f64>, one_sided: bool, processes: usize, seed: 
     let root = factor(matrix);
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let count_of_draws = DRAWS * processes;
-    let draws = DMatrix::from_fn(count, count_of_draws, |_, _| StandardNormal.sample(&mut random));
-    let scores: DMatrix<f64> = root.l() * draws;
-    let of_draw = |scores: &[f64]| {
-        scores.iter().map(|score| if one_sided { *score } else { score.abs() }).fold(f64::NEG_INFINITY, f64::max)
+    let draws: Vec<f64> = (0..count * count_of_draws).map(|_| StandardNormal.sample(&mut random)).collect();
+    let of_draw = |draws: &[f64]| {
+        let size = |score: f64| if one_sided { score } else { score.abs() };
+        root.times(draws).into_iter().map(size).fold(f64::NEG_INFINITY, f64::max)
     };
-    let mut greatest: Vec<f64> = scores.as_slice().chunks_exact(count).map(of_draw).collect();
+    let mut greatest: Vec<f64> = draws.chunks_exact(count).map(of_draw).collect();
     greatest.sort_by(f64::total_cmp);
     greatest[count_of_draws - (NULL_LEVEL * DRAWS as f64) as usize]
 }
@@ -95,7 +95,7 @@ mod tests {
         let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
         let total = DMatrix::from_fn(3, 3, |i, j| dot(columns[i], columns[j]));
         let lengths = total.diagonal();
-        Gram { folds: Vec::new(), log_determinants: Vec::new(), total, log_determinant: 0.0, lengths }
+        Gram { folds: Vec::new(), total, log_determinant: 0.0, lengths }
     }
 
     #[test]

@@ -4,7 +4,7 @@ use super::basis::warm;
 use super::evidence::{Evidence, Factored, evidence};
 use super::fit::{Fit, fit, offset_residual};
 use super::generic::{self, Signature};
-use super::gram::{factor, inverse_diagonal, part, part_column};
+use super::gram::{factor, part, part_column};
 use super::score::{Scores, scores};
 use super::{Basis, Candidate, Forward, Gram, Linear, tolerance};
 
@@ -168,7 +168,7 @@ impl Trial {
             let mut matrix = part(total, nuisance, nuisance);
             (0..nuisance.len()).for_each(|i| matrix[(i, i)] += 1.0);
             let cross = part_column(total, nuisance, column);
-            total[(column, column)] - cross.dot(&factor(matrix).solve(&cross))
+            total[(column, column)] - factor(matrix).square_by_inverse(&cross)
         };
         let before = left(&calibration);
         if before > 0.0 { 1.0 - left(&both) / before } else { 1.0 }
@@ -214,7 +214,7 @@ impl Trial {
         for i in 0..columns_used.len() {
             matrix[(i, i)] += if i < nuisance { 1.0 } else { super::evidence::EFFECT_PRIOR.powi(-2) };
         }
-        inverse_diagonal(&factor(matrix)).iter().map(|variance| variance.sqrt()).collect()
+        factor(matrix).inverse_diagonal().iter().map(|variance| variance.sqrt()).collect()
     }
 }
 
@@ -268,7 +268,6 @@ pub(crate) fn gram(
 fn rearranged(gram: &Gram, order: &[usize]) -> Gram {
     Gram {
         folds: Vec::new(),
-        log_determinants: Vec::new(),
         total: part(&gram.total, order, order),
         log_determinant: gram.log_determinant,
         lengths: nalgebra::DVector::from_fn(order.len(), |i, _| gram.lengths[order[i]]),

@@ -110,6 +110,12 @@ impl Measured {
         self.observations.is_empty()
     }
 
+    /// Runs of a group.
+    pub fn runs_of(&self, group: usize) -> &[Range<usize>] {
+        let begin = |at: usize| self.runs.partition_point(|run| run.start < at);
+        &self.runs[begin(self.spans[group].start)..begin(self.spans[group].end)]
+    }
+
     /// Groups that take part in the fit.
     pub fn fitted_groups(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.groups.len()).filter(|group| self.fitted[*group] && !self.spans[*group].is_empty())

@@ -66,3 +66,14 @@ vocabulary! {
         Batch = "batch",
     }
 }
+
+/// What the pieces of a job have to do with the time of an operation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PieceTimes {
+    /// Each takes as long as the first.
+    Alike,
+    /// All of them take one time.
+    Together,
+    /// Each has a time of its own, or some pass by.
+    Own,
+}

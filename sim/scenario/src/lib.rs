@@ -55,7 +55,7 @@ mod unit;
 mod variants;
 
 pub use assembly::{Component, Pegging, Reorder, Stock};
-pub use batch::{Batch, BatchFamily, BatchUnit, DrawUnit, WorkPer};
+pub use batch::{Batch, BatchFamily, BatchUnit, DrawUnit, PieceTimes, WorkPer};
 pub use branch::{Branch, Urgency};
 pub use calibration::{Calibration, CalibrationShift, ShopConstant, Target, calibrated, calibrated_channel};
 pub use contour::{ContourRule, ContourWork};

@@ -2,7 +2,7 @@
 
 use super::{
     Attendance, Component, ContourWork, CycleWork, Distribution, DrawUnit, DueRule, Inspection, MachineChoice, Pegging,
-    ProgramWork, Replenish, WorkPer, WornTool,
+    PieceTimes, ProgramWork, Replenish, WorkPer, WornTool,
 };
 use std::sync::Arc;
 
@@ -112,6 +112,17 @@ impl Operation {
     /// Mean time of plain work on a machine, s, of a piece, a lot or a batch.
     pub fn mean_time_on(&self, machine: usize) -> f64 {
         self.own_time_on(machine).map_or_else(|| self.work.plain_time() * self.pace_on(machine), Distribution::mean)
+    }
+
+    /// What the pieces of a job have to do with its time.
+    pub fn piece_times(&self) -> PieceTimes {
+        let plain = matches!(self.work, Work::Plain(_));
+        match (self.work_per, self.draw) {
+            (WorkPer::Lot | WorkPer::Batch, _) if plain => PieceTimes::Together,
+            (WorkPer::Part, DrawUnit::Part) if plain => PieceTimes::Own,
+            (WorkPer::Part | WorkPer::Lot | WorkPer::Batch, _) if self.inspection.sample.is_some() => PieceTimes::Own,
+            (WorkPer::Part | WorkPer::Lot | WorkPer::Batch, _) => PieceTimes::Alike,
+        }
     }
 
     /// Tool of a pass, by index: every pass of a part program has its own. Beyond the last pass it is that of the last.

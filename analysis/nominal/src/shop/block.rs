@@ -9,6 +9,7 @@ use super::visit::{Visit, Visits};
 use statrs::distribution::{ContinuousCDF, Normal};
 use std::collections::BTreeMap;
 use std::sync::Arc;
+use toolroom_scenario::PieceTimes;
 use toolroom_statistics::median;
 
 /// Share of outliers to which the difference of both tails is added, so that it has a size to which
@@ -108,15 +109,20 @@ fn single(blocks: &[Vec<f64>], scatter: impl Fn(Vec<f64>) -> f64) -> f64 {
     scatter(blocks.iter().flat_map(beside).collect())
 }
 
-/// Time in cut that an operation would have taken at full feed, s: what is left of its scatter
-/// is not the override's.
-fn full_feed(visit: &Visit) -> f64 {
-    visit.cutting / (1.0 + visit.override_excess)
+/// Pieces that share the time of an operation evenly, 1; `None` where their times are not compared.
+fn alike(shop: &Shop, seen: &Visits, visit: &Visit) -> Option<f64> {
+    match shop.programs.get(&seen.programs[visit.program]).map_or(PieceTimes::Alike, |program| program.pieces) {
+        PieceTimes::Alike => Some(visit.pieces),
+        PieceTimes::Together => Some(1.0),
+        PieceTimes::Own => (visit.pieces <= 1.0).then_some(1.0),
+    }
 }
 
-/// A time of an operation, s, where the file gives the times of its program a distribution, on the scale on which they are
-/// normal.
-fn on_scale(shop: &Shop, seen: &Visits, visit: &Visit, time: f64) -> f64 {
+/// Time in cut of a piece, s, at full feed where asked, so that what is left of its scatter is not the override's: where the
+/// file gives the times of the program a distribution, on the scale on which they are normal.
+fn piece_time(shop: &Shop, seen: &Visits, visit: &Visit, full_feed: bool) -> f64 {
+    let slower = if full_feed { 1.0 + visit.override_excess } else { 1.0 };
+    let time = visit.cutting / slower / alike(shop, seen, visit).unwrap_or(1.0);
     let program = shop.programs.get(&seen.programs[visit.program]);
     program.map_or(time, |program| program.normal_time(&seen.machines[visit.machine], time))
 }
@@ -151,7 +157,7 @@ impl Block {
 impl Blocks {
     /// Blocks of everything that was seen.
     pub fn of(shop: &Shop, seen: &Visits) -> Self {
-        let visits: Vec<&Visit> = seen.list.iter().collect();
+        let visits: Vec<&Visit> = seen.list.iter().filter(|visit| alike(shop, seen, visit).is_some()).collect();
         let day = |time: f64| (time / DAY).floor() as i64;
         let shift = |visit: &Visit| shop.shift(&seen.machines[visit.machine], visit.start);
         let mut blocks = Self::default();
@@ -159,7 +165,7 @@ impl Blocks {
             let runs = || visits.iter().filter(|visit| visit.program == program);
             let nominal = shop.programs.get(name).map(|nominal| nominal.time);
             blocks.known.push(nominal.is_some());
-            let measured = median(&mut runs().map(|visit| visit.cutting).collect::<Vec<f64>>());
+            let measured = median(&mut runs().map(|visit| visit.cutting / visit.pieces).collect::<Vec<f64>>());
             blocks.times.push(nominal.unwrap_or(measured));
             blocks.scales.push(shop.programs.get(name).and_then(|nominal| nominal.scale.clone()));
         }
@@ -179,15 +185,16 @@ impl Blocks {
         let logarithms = |at: &[usize], time: &dyn Fn(&Visit) -> f64| -> Vec<f64> {
             at.iter().map(|at| time(visits[*at])).filter(|time| *time > 0.0).map(f64::ln).collect()
         };
-        let in_cut = |visit: &Visit| on_scale(shop, seen, visit, visit.cutting);
-        let at_full_feed = |visit: &Visit| on_scale(shop, seen, visit, full_feed(visit));
+        let in_cut = |visit: &Visit| piece_time(shop, seen, visit, false);
+        let at_full_feed = |visit: &Visit| piece_time(shop, seen, visit, true);
+        let handled_in = |visit: &Visit| visit.handling / alike(shop, seen, visit).unwrap_or(1.0);
         for ((machine, _, program, _), at) in &pooled {
             let cut = logarithms(at, &at_full_feed);
             let middle = median(&mut cut.clone());
             if cut.len() >= POOLED {
                 below[*program].extend(cut.iter().map(|y| middle - y).filter(|d| *d > 0.0));
             }
-            let handling = logarithms(at, &|visit| visit.handling);
+            let handling = logarithms(at, &handled_in);
             let middle = median(&mut handling.clone());
             handled.entry(*machine).or_default().extend(handling.iter().map(|y| (y - middle).abs()));
         }
@@ -240,7 +247,7 @@ impl Blocks {
             block.values[Figure::CuttingTime] = median(&mut cut).exp();
             block.counts[Figure::CuttingTime] = cut.len() as f64;
             block.deviations[Figure::CuttingTime] = of_median(cut.len()) * blocks.scatter[program].hypot(0.3 * clock);
-            let mut handling = logarithms(&at, &|visit| visit.handling);
+            let mut handling = logarithms(&at, &handled_in);
             if !handling.is_empty() {
                 block.values[Figure::HandlingTime] = median(&mut handling).exp();
                 block.counts[Figure::HandlingTime] = handling.len() as f64;
@@ -276,7 +283,7 @@ impl Blocks {
                     block.values[Figure::CuttingSpread] = shape.spread;
                 }
                 block.deviations[Figure::CuttingSpread] = (2.0 * (count - 1.0)).sqrt().recip();
-                let handling = logarithms(at, &|visit| visit.handling);
+                let handling = logarithms(at, &handled_in);
                 if let Some(spread) = shop
                     .station(&seen.machines[*machine])
                     .and_then(|station| normal_spread(&station.handling, &handling))

@@ -260,6 +260,12 @@ impl ShopModel {
             }
         }
         surfaces.retain(|surface| !surface.channels.is_empty());
+        // Constants of one machine stand together and those of all machines last: most of a factor of their normal equations
+        // is zero then.
+        let groups = &self.frame.measured.group_of_row;
+        surfaces.sort_by_key(|surface| {
+            surface.feature.iter().zip(groups).filter(|(x, _)| **x != 0.0).map(|own| own.1).max()
+        });
         self.frame.families = families(
             &surfaces,
             &[
@@ -296,15 +302,21 @@ impl ShopModel {
         add("time of day (cos)".to_owned(), by_block(&|block| (turn * block.time).cos()));
         add("feed_override".to_owned(), by_block(&Block::mean_excess));
         add("first operation of an edge".to_owned(), by_block(&|block| block.new_edges));
-        let level = |test: &dyn Fn(&Block) -> bool| by_block(&|block| f64::from(u8::from(test(block))));
+        // Levels stay zero where they are not: in most of the columns of a shop nearly everything is.
+        let mut add_level = |name: String, test: &dyn Fn(&Block) -> bool| {
+            let values = by_block(&|block| f64::from(u8::from(test(block))));
+            if values.contains(&0.0) && values.contains(&1.0) {
+                covariates.push(Covariate { name, values });
+            }
+        };
         for shift in self.shifts() {
-            add(format!("shift={shift}"), level(&|block| block.shift == shift));
+            add_level(format!("shift={shift}"), &|block| block.shift == shift);
         }
         for (machine, name) in visits.machines.iter().enumerate() {
-            add(format!("machine={name}"), level(&|block| block.machine == machine));
+            add_level(format!("machine={name}"), &|block| block.machine == machine);
         }
         for (program, name) in visits.programs.iter().enumerate() {
-            add(format!("program={name}"), level(&|block| block.program == Some(program)));
+            add_level(format!("program={name}"), &|block| block.program == Some(program));
         }
         self.frame.covariates = covariates;
     }

@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use toolroom_facts::survival::Life;
 use toolroom_scenario::{
-    Arrival, ArrivalPattern, Cut, Distribution, FailureMode, MachineTime, Occasion, ProcessModel, Scenario,
+    Arrival, ArrivalPattern, Cut, Distribution, FailureMode, MachineTime, Occasion, PieceTimes, ProcessModel, Scenario,
     ShiftCalendar, ShopConstant, Stock, Work, calibrated,
 };
 use toolroom_shop::RunLog;
@@ -25,6 +25,8 @@ const STRETCH: f64 = 5.0 * 86400.0;
 /// A program of the nominal shop.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Program {
+    /// Its times by pieces.
+    pub pieces: PieceTimes,
     /// Programmed time in cut, of plain work the median of its distribution, s.
     pub time: f64,
     /// How its times lie about that by the file alone: plain work of a few possible times may be skewed; times in cut are not,
@@ -165,7 +167,8 @@ impl Shop {
                     (scenario.machines[*machine].name.clone(), own.unwrap_or_else(|| operation.pace_on(*machine)))
                 };
                 let paces = operation.time_on.iter().map(on_machine).collect();
-                let program = Program { time, planned, law, scale, paces, feed_speeds };
+                let program =
+                    Program { pieces: operation.piece_times(), time, planned, law, scale, paces, feed_speeds };
                 programs.insert(format!("{}/{}", part.name, operation.name), program);
             }
         }

@@ -11,6 +11,8 @@ pub(super) struct Stay<'a> {
     pub operation: String,
     pub tool: &'a str,
     pub feed: f64,
+    /// Pieces that it worked on, 1; NaN where not recorded.
+    pub pieces: f64,
     /// Of a stop, and of the nights that interrupt it: length of the whole of it, s; 0 of every other stay.
     pub whole: f64,
     /// Whether a stop begins here.

@@ -28,6 +28,8 @@ pub struct Visit {
     pub start: f64,
     /// To, s.
     pub end: f64,
+    /// Pieces that it worked on, 1.
+    pub pieces: f64,
     /// Program running, s.
     pub cutting: f64,
     /// Loading and unloading, s.
@@ -126,7 +128,7 @@ pub fn visits(events: &Records) -> Visits {
     };
     (all.machines, all.programs) = (names(machines), names(programs));
     let nan = vec![f64::NAN; events.len()];
-    let feeds = events.numbers("feed_override").unwrap_or(&nan);
+    let [feeds, pieces] = ["feed_override", "quantity"].map(|name| events.numbers(name).unwrap_or(&nan));
     all.overridden = feeds.iter().any(|feed| *feed > 0.0 && (feed - 1.0).abs() > 1e-3);
     let Some(times) = events.numbers("time") else { return all };
     let mut words: BTreeMap<&str, usize> = BTreeMap::new();
@@ -161,7 +163,8 @@ pub fn visits(events: &Records) -> Visits {
             let operation = if named { text("operation_id")[row].clone() } else { run_name() };
             let (start, end) = (times[row], times[next]);
             let (program, tool, feed) = (programs[row].as_str(), text("tool_id")[row].as_str(), feeds[row]);
-            stays.push(Stay { state, start, end, program, operation, tool, feed, whole: 0.0, first: false });
+            let pieces = pieces[row];
+            stays.push(Stay { state, start, end, program, operation, tool, feed, pieces, whole: 0.0, first: false });
         }
         adopt(&mut stays);
         join_stops(&mut stays);
@@ -202,17 +205,21 @@ fn least_whole(times: &mut [f64]) -> f64 {
     (ENDED_EARLY * middle).min(middle - FAR_BELOW * lower_deviation(&mut below))
 }
 
-/// Drops operations whose program was broken off; how many. Times at full feed count.
+/// Drops operations whose program was broken off; how many. Times at full feed count, both whole and by the piece: which of
+/// them is the program's, the log does not say.
 fn drop_aborted(all: &mut Visits) -> usize {
-    let time = |visit: &Visit| visit.cutting / (1.0 + visit.override_excess);
-    let mut times: BTreeMap<(usize, usize), Vec<f64>> = BTreeMap::new();
+    let times_of =
+        |visit: &Visit| [1.0, visit.pieces].map(|pieces| visit.cutting / (1.0 + visit.override_excess) / pieces);
+    let mut times: BTreeMap<(usize, usize), [Vec<f64>; 2]> = BTreeMap::new();
     for visit in &all.list {
-        times.entry((visit.machine, visit.program)).or_default().push(time(visit));
+        let all = times.entry((visit.machine, visit.program)).or_default();
+        all.iter_mut().zip(times_of(visit)).for_each(|(all, time)| all.push(time));
     }
-    let least: BTreeMap<(usize, usize), f64> =
-        times.into_iter().map(|(key, mut times)| (key, least_whole(&mut times))).collect();
+    let least: BTreeMap<(usize, usize), [f64; 2]> =
+        times.into_iter().map(|(key, times)| (key, times.map(|mut times| least_whole(&mut times)))).collect();
     let before = all.list.len();
-    all.list.retain(|visit| time(visit) >= least[&(visit.machine, visit.program)]);
+    let whole = |(time, least): (f64, f64)| time >= least;
+    all.list.retain(|visit| times_of(visit).into_iter().zip(least[&(visit.machine, visit.program)]).any(whole));
     before - all.list.len()
 }
 
@@ -248,6 +255,7 @@ fn of_machine(all: &mut Visits, machine: usize, stays: &[Stay<'_>]) -> usize {
             job: id.split_once('/').map_or(id.as_str(), |(job, _)| job).to_owned(),
             start: inside[0].start,
             end: inside[inside.len() - 1].end,
+            pieces: inside.iter().map(|stay| stay.pieces).fold(1.0, f64::max),
             ..Visit::default()
         };
         let mut slowed = 0.0;
