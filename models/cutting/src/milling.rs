@@ -14,7 +14,7 @@ pub use held::HeldMilling;
 pub use records::{Cutter, CutterLife, EdgeForce, MillingInput, MillingOutput, MillingState};
 pub use sets::{MILLING_CATALOGUE, MILLING_SETS, process_of_set};
 
-use crate::vibration::{MillingStructure, first_switch};
+use crate::vibration::{Ends, MillingStructure, first_switch};
 use std::cell::Cell;
 use std::sync::Arc;
 use toolroom_effects::Effects;
@@ -193,7 +193,7 @@ impl Milling {
         let watch = |step: &ode::Stretch<'_, STATES>| {
             if self.structure.is_some() && switch.get().is_none() {
                 let judge = |time| self.judge(&MillingState::from_slice(&step.at(time)), u);
-                let found = first_switch(step.start, step.end, unstable, judge);
+                let found = first_switch(step.start, step.end, Ends::Verdict { unstable }, judge);
                 switch.set(found.map(|time| (time, step.at(time))));
             }
         };

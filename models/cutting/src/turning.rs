@@ -12,7 +12,7 @@ pub use life::LifeModel;
 pub use memory::TurningMemory;
 pub use records::{Finish, TurningInput, TurningOutput, TurningState};
 
-use crate::vibration::{TurningStructure, first_switch};
+use crate::vibration::{Ends, HeldChatter, TurningStructure, first_switch};
 use equations::Engagement;
 use std::borrow::Cow;
 use std::cell::Cell;
@@ -146,7 +146,7 @@ impl Turning {
             *x = self.cooled(x, dt);
             return Ok(Advance { elapsed: dt, event: None });
         }
-        let mut course = Course { time: 0.0, state: [0.0; STATES], unstable: self.judge(x, u).unstable, seen: 0 };
+        let mut course = Course { time: 0.0, state: [0.0; STATES], chatter: self.chatter(x, u), seen: 0 };
         x.write_to(&mut course.state);
         let (event, elapsed) = loop {
             if let Some(end) = self.follow(&mut course, passed, (u, held), dt, times, see)? {
@@ -163,8 +163,8 @@ impl Turning {
         TurningState { tool_body_temperature_rise: x.tool_body_temperature_rise * left, ..*x }
     }
 
-    /// Moves a cut to the instant at which it becomes unstable or stable again, or to the end of the step or an event: then it
-    /// says which event, and when.
+    /// Moves a cut to the instant at which it becomes unstable or stable again or chatters in another way, or to the end of the
+    /// step or an event: then it says which event, and when.
     fn follow(
         &self,
         course: &mut Course,
@@ -174,16 +174,16 @@ impl Turning {
         times: &[f64],
         see: &mut dyn FnMut(usize, &TurningInput, &TurningOutput),
     ) -> Result<Option<(Option<ProcessEvent>, f64)>, ModelError> {
-        let Course { time: start, unstable, .. } = *course;
+        let Course { time: start, chatter, .. } = *course;
         let x = TurningState::from_slice(&course.state);
-        let first = known.unwrap_or_else(|| self.engagement_while(&x, &self.input_after(u, start), unstable));
+        let first = known.unwrap_or_else(|| self.engagement_while(&x, &self.input_after(u, start), chatter.as_ref()));
         // Without effects and chatter the edge changes the contact by its land alone, a ramp by its speed.
-        let settled = self.effects.is_empty() && !unstable;
+        let settled = self.effects.is_empty() && chatter.is_none();
         let held = u.cutting_acceleration == 0.0;
         let engagement = |time: f64, x: &TurningState| match (settled, held) {
             (true, true) => Cow::Borrowed(&first),
             (true, false) => Cow::Owned(first.at_speed(&self.pair, u.cutting_speed + u.cutting_acceleration * time)),
-            (false, _) => Cow::Owned(self.engagement_while(x, &self.input_after(u, time), unstable)),
+            (false, _) => Cow::Owned(self.engagement_while(x, &self.input_after(u, time), chatter.as_ref())),
         };
         let rhs = |time: f64, y: &[f64; STATES]| {
             let x = TurningState::from_slice(y);
@@ -212,6 +212,7 @@ impl Turning {
             }
         };
         let tolerance = Tolerance { relative: ACCURACY, absolute: self.scales(ACCURACY) };
+        let ends = if chatter.is_some() { Ends::UnstableCell } else { Ends::Verdict { unstable: false } };
         let watch = |step: &ode::Stretch<'_, STATES>| {
             if switch.get().is_some() {
                 return;
@@ -219,13 +220,15 @@ impl Turning {
             let judge =
                 |time| self.judge(&TurningState::from_slice(&step.at(time)), &self.input_after(u, start + time));
             let judged = self.structure.as_ref();
-            let found = judged.and_then(|_| first_switch(step.start, step.end, unstable, judge));
+            let found = judged.and_then(|_| first_switch(step.start, step.end, ends, judge));
             look(start + found.unwrap_or(step.end), &|time| step.at(time - start));
             switch.set(found.map(|time| (time, step.at(time))));
         };
         let end = ode::integrate_staged(rhs, events, &course.state, dt - start, &tolerance, stage, watch)?;
         if let Some((time, state)) = switch.get() {
-            *course = Course { time: start + time, state, unstable: !unstable, seen };
+            let time = start + time;
+            let chatter = self.chatter(&TurningState::from_slice(&state), &self.input_after(u, time));
+            *course = Course { time, state, chatter, seen };
             return Ok(None);
         }
         let time = if end.event.is_none() { dt } else { start + end.time };
@@ -240,8 +243,8 @@ struct Course {
     /// Time since the start of the step, s.
     time: f64,
     state: [f64; STATES],
-    /// Whether the cut is unstable from here on.
-    unstable: bool,
+    /// How the cut chatters from here on.
+    chatter: Option<HeldChatter>,
     /// Instants that were looked at.
     seen: usize,
 }

@@ -12,9 +12,9 @@ mod turning;
 pub use milling::MillingStructure;
 pub(crate) use milling::{Tooth, ToothCell};
 use switch::{Cell, one_step};
-pub(crate) use switch::{RoundedVerdict, first_switch};
+pub(crate) use switch::{Ends, RoundedVerdict, first_switch};
 pub use turning::TurningStructure;
-pub(crate) use turning::{Edge, EdgeCell};
+pub(crate) use turning::{Edge, EdgeCell, HeldChatter};
 
 use memo::Memo;
 use toolroom_chatter::{AmplitudeTable, ChatterKind, LimitCycle, Mode, SpeedVariation};
@@ -66,6 +66,13 @@ impl Regeneration {
     fn land_damping(&self, flank_wear: f64) -> f64 {
         0.5 * self.indentation_force * flank_wear.min(LONGEST_LAND).powi(2)
     }
+
+    /// Factor of a limit `cycle` on force-driven wear.
+    fn wear_factor(&self, cycle: &LimitCycle) -> f64 {
+        let power = self.wear_power;
+        let mean_power = cycle.mean_square_force.powf(3.0 - power) * cycle.mean_cube_force.powf(power - 2.0);
+        mean_power.max(1.0).powf(self.wear_exponent)
+    }
 }
 
 /// Vibration of one operating point.
@@ -116,12 +123,10 @@ impl Vibration {
 
     /// The same cut in its limit `cycle`, which has the kind of `boundary`; displacements are in units of `chip` (m).
     fn chattering(self, kind: ChatterKind, cycle: &LimitCycle, chip: f64, regeneration: &Regeneration) -> Self {
-        let Regeneration { wear_power, wear_exponent, .. } = *regeneration;
-        let mean_power = cycle.mean_square_force.powf(3.0 - wear_power) * cycle.mean_cube_force.powf(wear_power - 2.0);
         Self {
             kind,
             chatter: 0.5 * cycle.amplitude * chip,
-            wear_factor: mean_power.max(1.0).powf(wear_exponent),
+            wear_factor: regeneration.wear_factor(cycle),
             force_ripple: (cycle.mean_square_force - 1.0).max(0.0).sqrt(),
             ..self
         }

@@ -146,7 +146,7 @@ fn described(
     wrong_signs: Vec<String>,
 ) -> Fit {
     let Maximum { model, chi2, freedom, covariance } = &maximum;
-    let scale = search.scale(&maximum);
+    let scale = search.scale(&maximum) * shared_between_lines(measured);
     let per_mode = 2 + search.likelihood.directions.len();
     let mut order: Vec<usize> = (0..model.modes.len()).collect();
     order.sort_by(|a, b| model.modes[*a].frequency.total_cmp(&model.modes[*b].frequency));
@@ -220,6 +220,15 @@ fn described(
     }
 }
 
+/// Factor on the variance of what a fit finds by noise that neighbouring lines share under an exponential window. Over a frame of
+/// the duration T its square `e^(−2 d t)` has the transform `1/(1 + i pi m/(d T))` m lines away, which is their correlation; that of
+/// a line with all others adds up to `d T coth(d T)`. A mode with damping of its own, as every one that is not refused, is as
+/// wide as these lines.
+fn shared_between_lines(measured: &Measurement) -> f64 {
+    let faded = measured.window_decay / measured.step();
+    if faded > 0.0 { faded / faded.tanh() } else { 1.0 }
+}
+
 /// Undamped natural frequency (rad/s) and damping ratio of a mode without the decay d of an exponential window: at `i w + d` in
 /// place of `i w` a mode of frequency w and damping s = zeta w has the square `w² + 2 s d + d²` and the damping `s + d`.
 fn unwindowed(mode: &RealMode, decay: f64) -> (f64, f64) {
@@ -227,4 +236,37 @@ fn unwindowed(mode: &RealMode, decay: f64) -> (f64, f64) {
     let square = mode.frequency * mode.frequency - 2.0 * damping * decay - decay * decay;
     let frequency = square.max(f64::MIN_POSITIVE).sqrt();
     (frequency, damping / frequency)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The correlation of noise at one line with that at all others, by the transform of the square of the window.
+    #[test]
+    fn a_window_makes_lines_share_their_noise() {
+        let (decay, duration, samples) = (4.0, 0.5, 4096);
+        let lines = || (0..samples).map(|line| f64::from(line) / duration);
+        let square = |t: f64| (-2.0 * decay * t).exp();
+        let transform = |frequency: f64| -> Complex<f64> {
+            let times = (0..samples).map(|i| (f64::from(i) + 0.5) * duration / f64::from(samples));
+            times.map(|t| Complex::from_polar(square(t), -TAU * frequency * t)).sum()
+        };
+        // Lines as far on either side, the correlation with one of them conjugate to that with the other.
+        let all: f64 = lines().take(200).skip(1).map(|frequency| 2.0 * transform(frequency).re).sum::<f64>();
+        let told = |window_decay| {
+            shared_between_lines(&Measurement {
+                source: String::new(),
+                frequencies: lines().skip(1).take(9).collect(),
+                functions: Vec::new(),
+                averages: None,
+                coherence_digit: 0.0,
+                window_decay,
+                notes: Vec::new(),
+            })
+        };
+        let summed = 1.0 + all / transform(0.0).re;
+        assert!((told(decay) / summed - 1.0).abs() < 5e-3, "{} {summed}", told(decay));
+        assert_eq!(told(0.0), 1.0);
+    }
 }

@@ -327,16 +327,33 @@ impl Frames<'_> {
         part.iter().map(|value| value - mean).collect()
     }
 
-    /// The rate of decay (1/s) of the window under which every response dies away within its frame.
+    /// Greatest power of the end of a response that may be noise alone, as the record has it before its first hit: its mean
+    /// there, and four standard deviations of such means of normal noise.
+    fn quiet(&self, channel: &Channel, first: usize, part: usize) -> f64 {
+        // The rise of the pulse may begin a quarter of the time before the trigger.
+        let Some(rest) = first.checked_sub(self.before / 4).filter(|end| *end >= BEFORE.1) else { return 0.0 };
+        let rest = &channel.values[..rest];
+        let mean = rest.iter().sum::<f64>() / rest.len() as f64;
+        let power = rest.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / rest.len() as f64;
+        power * (1.0 + 4.0 * (2.0 / rest.len() as f64 + 2.0 / part as f64).sqrt())
+    }
+
+    /// The rate of decay (1/s) of the window under which every response dies away within its frame. What is no more than noise
+    /// has died away: a window would only spread it over the lines.
     fn decay(&self, starts: &[usize]) -> f64 {
-        let size = |part: &[f64]| (part.iter().map(|value| value * value).sum::<f64>() / part.len() as f64).sqrt();
+        let power = |part: &[f64]| part.iter().map(|value| value * value).sum::<f64>() / part.len() as f64;
+        let part = (self.length / PART).max(1);
+        let first = starts.first().copied().unwrap_or(0);
+        let quiet: Vec<f64> = self.moved.iter().map(|(channel, _)| self.quiet(channel, first, part)).collect();
         let left = |start: &usize| {
             let range = self.range(*start).ok()?;
-            let shares = self.moved.iter().map(|(channel, _)| {
+            let shares = self.moved.iter().zip(&quiet).map(|((channel, _), quiet)| {
                 let values = self.samples(channel, range.clone());
-                let part = (self.length / PART).max(1);
-                size(&values[values.len() - part..])
-                    / size(&values[self.before..self.before + part]).max(f64::MIN_POSITIVE)
+                let end = power(&values[values.len() - part..]);
+                if end <= *quiet {
+                    return 0.0;
+                }
+                (end / power(&values[self.before..self.before + part]).max(f64::MIN_POSITIVE)).sqrt()
             });
             Some(shares.fold(0.0, f64::max))
         };

@@ -1,6 +1,7 @@
 //! The equations of turning, once for `f64` and dual numbers.
 
 use super::{Turning, TurningInput, TurningOutput, TurningState};
+use crate::vibration::HeldChatter;
 use toolroom_effects::{Context, Terms};
 use toolroom_process::Number;
 use toolroom_wear::{Coefficients, Contact, Cut, Load, Pair, Wear, WearLaw};
@@ -266,16 +267,19 @@ impl<N: Number> Turning<N> {
         self.engagement_under(u, terms, chatters)
     }
 
-    /// The contact at this instant of a stretch in which the cut is `unstable` or not, whatever the verdict of this very
+    /// The contact at this instant of a stretch in which the cut is stable or has `held` chatter, whatever the verdict of this very
     /// instant: stages of a step that passes the end of the stretch see a smooth right-hand side.
     pub(super) fn engagement_while(
         &self,
         x: &TurningState<N>,
         u: &TurningInput<N>,
-        unstable: bool,
+        held: Option<&HeldChatter>,
     ) -> Engagement<'_, N> {
-        let terms = if unstable { self.terms(x, u).0 } else { self.effect_terms(x, u) };
-        self.engagement_under(u, terms, unstable)
+        let mut terms = self.effect_terms(x, u);
+        if let Some(held) = held {
+            terms.mechanical_wear *= self.chatter_wear(x, u, &terms, held);
+        }
+        self.engagement_under(u, terms, held.is_some())
     }
 
     fn engagement_under(&self, u: &TurningInput<N>, terms: Terms<N>, chatters: bool) -> Engagement<'_, N> {

@@ -2,7 +2,7 @@
 
 use super::equations::Engagement;
 use super::{Turning, TurningInput, TurningState};
-use crate::vibration::{Edge, EdgeCell, ModeFactors, RoundedVerdict, Vibration, variation};
+use crate::vibration::{Edge, EdgeCell, HeldChatter, ModeFactors, RoundedVerdict, Vibration, variation};
 use std::f64::consts::{FRAC_1_SQRT_2, PI, TAU};
 use toolroom_effects::Terms;
 use toolroom_process::Number;
@@ -60,6 +60,23 @@ impl<N: Number> Turning<N> {
             }
             _ => RoundedVerdict::QUIET,
         }
+    }
+
+    /// How the cut chatters at this instant; `None` where it is stable.
+    pub(super) fn chatter(&self, x: &TurningState<N>, u: &TurningInput<N>) -> Option<HeldChatter> {
+        let structure = self.structure.as_ref().filter(|_| self.judge(x, u).unstable)?;
+        Some(structure.chatter(&self.edge(x, u, &self.effect_terms(x, u))))
+    }
+
+    /// Factor on force-driven wear at this instant of a stretch whose chatter is held.
+    pub(super) fn chatter_wear(
+        &self,
+        x: &TurningState<N>,
+        u: &TurningInput<N>,
+        terms: &Terms<N>,
+        held: &HeldChatter,
+    ) -> f64 {
+        self.structure.as_ref().map_or(1.0, |structure| structure.wear_factor(&self.edge(x, u, terms), held))
     }
 
     fn edge(&self, x: &TurningState<N>, u: &TurningInput<N>, terms: &Terms<N>) -> Edge {

@@ -5,7 +5,8 @@
 //! verdict changes once at most. All cells that a cut passes are looked at one by one, so that no stretch is too short.
 //!
 //! Where one cell follows the other with nothing between, and neither has its limit among the loads of that time, the verdict
-//! stays, and nobody needs to know where the one ends and the other begins.
+//! stays, and nobody needs to know where the one ends and the other begins. But how far an unstable cut swings, and so how fast
+//! it wears its edge, jumps from cell to cell: an integration that is to be as exact as it says ends its steps there.
 
 /// A verdict, and what it was rounded to.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,38 +43,50 @@ const ROUNDING: f64 = 1e-9;
 /// Share of the time that is searched to which an instant is found: some nanoseconds of a pass.
 const RESOLUTION: f64 = 1e-11;
 
-/// First instant after `start`, at most `end` (s), at which a cut is no longer what it is at `start`: `unstable` or not. At the
-/// instant itself the verdict has changed already. `judge` gives the verdict of an instant; that at `start` counts as
-/// `unstable` whatever it gives.
+/// What ends a stretch of a cut.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Ends {
+    /// Another verdict than that of its start, which is unstable or not.
+    Verdict { unstable: bool },
+    /// Of an unstable stretch: another cell than that of its start, or a stable cut.
+    UnstableCell,
+}
+
+/// First instant after `start`, at most `end` (s), at which a cut is no longer what it is at `start`, as `ends` says. At the
+/// instant itself it has changed already. `judge` gives the verdict of an instant; that at `start` counts as
+/// unstable or not as `ends` has it, whatever it gives.
 ///
 /// Quantities of a cell that go back within the time that is searched may hide a cell; over a step of an integration they go
 /// one way but for the process damping of an edge that is nearly sharp, which has one flat minimum.
 pub(crate) fn first_switch<K: Cell>(
     start: f64,
     end: f64,
-    unstable: bool,
+    ends: Ends,
     judge: impl Fn(f64) -> RoundedVerdict<K>,
 ) -> Option<f64> {
-    let search = Search { least: RESOLUTION * (end - start), unstable, judge: &judge };
-    search.between((start, &judge(start)), (end, &judge(end)))
+    let first = judge(start);
+    let search = Search { least: RESOLUTION * (end - start), ends, cell: &first.cell, judge: &judge };
+    search.between((start, &first), (end, &judge(end)))
 }
 
-struct Search<'a, F> {
+struct Search<'a, K, F> {
     least: f64,
-    unstable: bool,
+    ends: Ends,
+    /// That of the start.
+    cell: &'a Option<K>,
     judge: &'a F,
 }
 
-impl<F> Search<'_, F> {
-    fn between<K: Cell>(
+impl<K: Cell, F: Fn(f64) -> RoundedVerdict<K>> Search<'_, K, F> {
+    fn between(
         &self,
         (start, first): (f64, &RoundedVerdict<K>),
         (end, last): (f64, &RoundedVerdict<K>),
-    ) -> Option<f64>
-    where
-        F: Fn(f64) -> RoundedVerdict<K>,
-    {
-        let switched = last.unstable != self.unstable;
+    ) -> Option<f64> {
+        let switched = match self.ends {
+            Ends::Verdict { unstable } => last.unstable != unstable,
+            Ends::UnstableCell => !last.unstable || last.cell != *self.cell,
+        };
         if !switched && (first.cell == last.cell || stays(first, last)) {
             return None;
         }
@@ -117,12 +130,22 @@ mod tests {
     fn a_stretch_just_before_a_cell_ends_is_found() {
         // Unstable from 0.2999999 to 0.3, where the next cell has a greater limit.
         let limits = [9.0, 9.0, 0.299_999_9, 9.0, 9.0, 9.0, 9.0, 9.0, 9.0, 9.0];
-        let found = first_switch(0.0, 1.0, false, |time| judged(time, &limits)).unwrap();
+        let found = first_switch(0.0, 1.0, Ends::Verdict { unstable: false }, |time| judged(time, &limits)).unwrap();
         assert!((found - 0.299_999_9).abs() < 1e-10, "{found}");
         // And just behind the beginning of a cell, where the load falls.
         let falling = |time: f64| judged(1.0 - time, &[0.0, 0.0, 0.0, 0.0, 0.499_999_9, 0.0, 0.0, 0.0, 0.0, 0.0]);
-        let found = first_switch(0.0, 1.0, true, falling);
+        let found = first_switch(0.0, 1.0, Ends::Verdict { unstable: true }, falling);
         assert!((found.unwrap() - 0.500_000_1).abs() < 1e-10, "{found:?}");
+    }
+
+    #[test]
+    fn an_unstable_stretch_ends_where_its_cell_ends_or_before_where_it_becomes_stable() {
+        let found = |start, limits: &[f64]| first_switch(start, 1.0, Ends::UnstableCell, |time| judged(time, limits));
+        assert!((found(0.23, &[0.0; 10]).unwrap() - 0.3).abs() < 1e-10);
+        assert_eq!(found(0.93, &[0.0; 10]), None);
+        let falling = |time: f64| judged(1.0 - time, &[0.52; 10]);
+        let found = first_switch(0.41, 1.0, Ends::UnstableCell, falling).unwrap();
+        assert!((found - 0.48).abs() < 1e-10, "{found}");
     }
 
     #[test]
@@ -132,7 +155,7 @@ mod tests {
             asked.set(asked.get() + 1);
             judged(time, &[9.0; 10])
         };
-        assert_eq!(first_switch(0.0, 1.0, false, judge), None);
+        assert_eq!(first_switch(0.0, 1.0, Ends::Verdict { unstable: false }, judge), None);
         assert!(asked.get() < 40, "{}", asked.get());
     }
 
@@ -153,7 +176,7 @@ mod tests {
                 RoundedVerdict { cell: Some(cell), unstable, load: 1.0, limits: [if unstable { 0.0 } else { 2.0 }; 2] }
             };
             let expected = (1..ends.len()).find(|cell| unstable[*cell] != begins).map(|cell| ends[cell - 1]);
-            let found = first_switch(0.0, 1.0, begins, judge);
+            let found = first_switch(0.0, 1.0, Ends::Verdict { unstable: begins }, judge);
             prop_assert_eq!(found.is_some(), expected.is_some());
             if let (Some(found), Some(expected)) = (found, expected) {
                 prop_assert!((found - expected).abs() < 1e-10 && judge(found).unstable != begins);

@@ -83,6 +83,16 @@ impl Cell for EdgeCell {
     }
 }
 
+/// Chatter of an edge as it was judged at one instant, held while a step of an integration goes on: rates of wear are then
+/// smooth, which jump where a verdict is rounded to another one.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct HeldChatter {
+    /// At nominal coefficient.
+    boundary: Boundary,
+    /// Whether the cut chatters by regeneration, else by its chuck.
+    regenerates: bool,
+}
+
 /// Places along a bar at which its compliance is taken.
 const PLACES: f64 = 64.0;
 /// Of these, every so many at varying speed, where verdicts cost much.
@@ -277,6 +287,24 @@ impl TurningStructure {
         let unstable = self.regenerates(edge, &boundary) || modulated();
         let limit = boundary.limit * self.coefficient(edge);
         RoundedVerdict { cell: Some(cell), unstable, load: stiffness, limits: [limit, limit * (1.0 + STIFFNESS_STEP)] }
+    }
+
+    /// How an unstable cut chatters, to be held.
+    pub(crate) fn chatter(&self, edge: &Edge) -> HeldChatter {
+        let key = self.key(edge);
+        let regenerates = self.regenerates(edge, &self.boundary_of(edge, &key));
+        HeldChatter { boundary: self.boundary(edge, &key), regenerates }
+    }
+
+    /// Factor on force-driven wear under chatter that is held: that of [`TurningStructure::vibration`] where the edge is still
+    /// rounded to it, and behind the limit that just beyond it.
+    pub(crate) fn wear_factor(&self, edge: &Edge, held: &HeldChatter) -> f64 {
+        let ratio = if held.regenerates {
+            (edge.depth * self.coefficient(edge) / held.boundary.limit).max(1.0 + f64::EPSILON)
+        } else {
+            PARAMETRIC_RATIO
+        };
+        self.regeneration.wear_factor(&held.boundary.tabulated(ratio))
     }
 
     /// How the cut vibrates.
