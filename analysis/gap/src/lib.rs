@@ -80,6 +80,7 @@ mod score;
 mod settle;
 mod shift_labels;
 mod shop_facts;
+mod shop_kpi;
 #[cfg(test)]
 mod shop_tests;
 mod size;
@@ -132,5 +133,6 @@ pub use trial::Trial;
 pub mod shop {
     pub use super::queue::{Came, QueueFit, QueueScore, pools_of, queues, recorded_waits};
     pub use super::shop_facts::add_facts;
+    pub use super::shop_kpi::{ShopKpi, mix};
     pub use toolroom_nominal::shop::*;
 }

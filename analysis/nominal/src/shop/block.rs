@@ -2,12 +2,12 @@
 
 use super::booked::{short_repairs, usual};
 use super::figure::{Figure, Figures};
-use super::nominal::Shop;
+use super::nominal::{Program, Shop};
 use super::scaled::Scaled;
 use super::stops::{FAR, Pool, SIZES, Shape, Timed, class, lower_deviation};
 use super::visit::{Visit, Visits};
 use statrs::distribution::{ContinuousCDF, Normal};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use toolroom_scenario::PieceTimes;
 use toolroom_statistics::median;
@@ -27,7 +27,7 @@ const CLOCK: f64 = 0.5;
 /// Mean and standard deviation of the root of the magnitude of a standard normal number, whose
 /// distribution is all but symmetric: `2^(1/4) Γ(3/4)/√π` and `√(√(2/π) − mean²)`.
 pub const ROOT_SCORE: (f64, f64) = (0.822_179, 0.349_1);
-/// Scatter of a logarithm where too few operations show it (assumption).
+/// Scatter of a logarithm where too few operations show it and the file says nothing (assumption).
 const UNSEEN: f64 = 0.02;
 /// Least scatter of a logarithm that is believed (assumption).
 const LEAST: f64 = 0.002;
@@ -109,21 +109,36 @@ fn single(blocks: &[Vec<f64>], scatter: impl Fn(Vec<f64>) -> f64) -> f64 {
     scatter(blocks.iter().flat_map(beside).collect())
 }
 
-/// Pieces that share the time of an operation evenly, 1; `None` where their times are not compared.
-fn alike(shop: &Shop, seen: &Visits, visit: &Visit) -> Option<f64> {
-    match shop.programs.get(&seen.programs[visit.program]).map_or(PieceTimes::Alike, |program| program.pieces) {
-        PieceTimes::Alike => Some(visit.pieces),
-        PieceTimes::Together => Some(1.0),
-        PieceTimes::Own => (visit.pieces <= 1.0).then_some(1.0),
+/// The operations whose times are compared. Pieces of an order that move one by one have one time if that is drawn for the
+/// order: they say no more than the first of them. Of several pieces with times of their own only a sum was seen.
+fn compared<'a>(shop: &Shop, seen: &'a Visits) -> Vec<&'a Visit> {
+    let mut known: BTreeSet<(&str, usize)> = BTreeSet::new();
+    let mut compared = Vec::new();
+    for visit in &seen.list {
+        let plain = shop.programs.get(&seen.programs[visit.program]).filter(|program| program.law.is_some());
+        let says_something = match plain.map(|program| program.pieces) {
+            None => true,
+            Some(PieceTimes::Own) => visit.pieces <= 1.0,
+            Some(PieceTimes::Alike | PieceTimes::Together) => {
+                visit.order.is_empty() || known.insert((&visit.order, visit.program))
+            }
+        };
+        compared.extend(says_something.then_some(visit));
     }
+    compared
+}
+
+/// How pieces share the time of a program; of one that the file does not know they are taken as alike.
+fn pieces_of(program: Option<&Program>) -> PieceTimes {
+    program.map_or(PieceTimes::Alike, |program| program.pieces)
 }
 
 /// Time in cut of a piece, s, at full feed where asked, so that what is left of its scatter is not the override's: where the
 /// file gives the times of the program a distribution, on the scale on which they are normal.
 fn piece_time(shop: &Shop, seen: &Visits, visit: &Visit, full_feed: bool) -> f64 {
-    let slower = if full_feed { 1.0 + visit.override_excess } else { 1.0 };
-    let time = visit.cutting / slower / alike(shop, seen, visit).unwrap_or(1.0);
     let program = shop.programs.get(&seen.programs[visit.program]);
+    let slower = if full_feed { 1.0 + visit.override_excess } else { 1.0 };
+    let time = visit.cutting / slower / visit.times(pieces_of(program));
     program.map_or(time, |program| program.normal_time(&seen.machines[visit.machine], time))
 }
 
@@ -157,7 +172,7 @@ impl Block {
 impl Blocks {
     /// Blocks of everything that was seen.
     pub fn of(shop: &Shop, seen: &Visits) -> Self {
-        let visits: Vec<&Visit> = seen.list.iter().filter(|visit| alike(shop, seen, visit).is_some()).collect();
+        let visits = compared(shop, seen);
         let day = |time: f64| (time / DAY).floor() as i64;
         let shift = |visit: &Visit| shop.shift(&seen.machines[visit.machine], visit.start);
         let mut blocks = Self::default();
@@ -187,7 +202,8 @@ impl Blocks {
         };
         let in_cut = |visit: &Visit| piece_time(shop, seen, visit, false);
         let at_full_feed = |visit: &Visit| piece_time(shop, seen, visit, true);
-        let handled_in = |visit: &Visit| visit.handling / alike(shop, seen, visit).unwrap_or(1.0);
+        let handled_in =
+            |visit: &Visit| visit.handling / visit.times(pieces_of(shop.programs.get(&seen.programs[visit.program])));
         for ((machine, _, program, _), at) in &pooled {
             let cut = logarithms(at, &at_full_feed);
             let middle = median(&mut cut.clone());
@@ -201,12 +217,14 @@ impl Blocks {
         for (program, below) in below.iter_mut().enumerate() {
             let least = LEAST.max(0.5 * CLOCK / blocks.times[program]);
             let count = visits.iter().filter(|visit| visit.program == program).count();
-            let scatter = if count < SHAPED {
-                UNSEEN
-            } else if below.len() < count / 10 {
-                0.0 // hardly any two differ
-            } else {
-                lower_deviation(below)
+            let pooled = pooled.iter().filter(|((_, _, own, _), at)| *own == program && at.len() >= POOLED);
+            let seen_together: usize = pooled.map(|(_, at)| at.len()).sum();
+            let scatter = match &blocks.scales[program] {
+                // Too few lie beside one another to tell how they scatter: the file does.
+                Some(own) if seen_together < SHAPED => own.scale.deviation(),
+                None if count < SHAPED => UNSEEN,
+                Some(_) | None if below.len() < count / 10 => 0.0, // hardly any two differ
+                Some(_) | None => lower_deviation(below),
             };
             blocks.exact.push(scatter < 0.1 * least);
             blocks.scatter.push(scatter.max(least));

@@ -23,7 +23,6 @@ mod catalogue;
 mod constant;
 mod expected;
 mod figure;
-mod kpi;
 mod logs;
 mod model;
 mod nominal;
@@ -41,7 +40,6 @@ mod words;
 
 pub use block::normal_score;
 pub use constant::Constant;
-pub use kpi::{ShopKpi, mix};
 pub use logs::{LogGroup, after, groups_of};
 pub use model::ShopModel;
 pub use nominal::{EdgeLife, JobSource, Program, Shop, Station};

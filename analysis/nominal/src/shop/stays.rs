@@ -10,6 +10,8 @@ pub(super) struct Stay<'a> {
     pub program: &'a str,
     pub operation: String,
     pub tool: &'a str,
+    /// Order of its job, empty where that is not recorded.
+    pub order: &'a str,
     pub feed: f64,
     /// Pieces that it worked on, 1; NaN where not recorded.
     pub pieces: f64,

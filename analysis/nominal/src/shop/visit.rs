@@ -5,6 +5,7 @@ use super::stays::{Stay, adopt, in_shift, join_stops};
 use super::stops::lower_deviation;
 use std::collections::{BTreeMap, BTreeSet};
 use toolroom_records::Records;
+use toolroom_scenario::PieceTimes;
 use toolroom_statistics::median;
 
 /// Stops up to this long are short stops, longer ones breakdowns, s (Nakajima 1988 counts minor
@@ -28,6 +29,8 @@ pub struct Visit {
     pub start: f64,
     /// To, s.
     pub end: f64,
+    /// Order of its job, empty where that is not recorded.
+    pub order: String,
     /// Pieces that it worked on, 1.
     pub pieces: f64,
     /// Program running, s.
@@ -90,6 +93,16 @@ pub struct Visits {
     pub overridden: bool,
     /// What the reader found worth saying.
     pub notes: Vec<String>,
+}
+
+impl Visit {
+    /// How many times as long as that of one piece it takes, 1; those that all have times of their own count one by one.
+    pub fn times(&self, pieces: PieceTimes) -> f64 {
+        match pieces {
+            PieceTimes::Alike | PieceTimes::Own => self.pieces,
+            PieceTimes::Together => 1.0,
+        }
+    }
 }
 
 impl Visits {
@@ -163,8 +176,9 @@ pub fn visits(events: &Records) -> Visits {
             let operation = if named { text("operation_id")[row].clone() } else { run_name() };
             let (start, end) = (times[row], times[next]);
             let (program, tool, feed) = (programs[row].as_str(), text("tool_id")[row].as_str(), feeds[row]);
-            let pieces = pieces[row];
-            stays.push(Stay { state, start, end, program, operation, tool, feed, pieces, whole: 0.0, first: false });
+            let (pieces, order) = (pieces[row], text("order")[row].as_str());
+            let (whole, first) = (0.0, false);
+            stays.push(Stay { state, start, end, program, operation, tool, order, feed, pieces, whole, first });
         }
         adopt(&mut stays);
         join_stops(&mut stays);
@@ -211,7 +225,12 @@ fn drop_aborted(all: &mut Visits) -> usize {
     let times_of =
         |visit: &Visit| [1.0, visit.pieces].map(|pieces| visit.cutting / (1.0 + visit.override_excess) / pieces);
     let mut times: BTreeMap<(usize, usize), [Vec<f64>; 2]> = BTreeMap::new();
+    // Pieces of an order may share one time: it counts once.
+    let mut known: BTreeSet<(usize, usize, &str)> = BTreeSet::new();
     for visit in &all.list {
+        if !visit.order.is_empty() && !known.insert((visit.machine, visit.program, &visit.order)) {
+            continue;
+        }
         let all = times.entry((visit.machine, visit.program)).or_default();
         all.iter_mut().zip(times_of(visit)).for_each(|(all, time)| all.push(time));
     }
@@ -255,6 +274,7 @@ fn of_machine(all: &mut Visits, machine: usize, stays: &[Stay<'_>]) -> usize {
             job: id.split_once('/').map_or(id.as_str(), |(job, _)| job).to_owned(),
             start: inside[0].start,
             end: inside[inside.len() - 1].end,
+            order: inside.iter().map(|stay| stay.order).find(|order| !order.is_empty()).unwrap_or_default().to_owned(),
             pieces: inside.iter().map(|stay| stay.pieces).fold(1.0, f64::max),
             ..Visit::default()
         };

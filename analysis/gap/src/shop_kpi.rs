@@ -1,8 +1,7 @@
 //! Key figures of a shop from what its machines did, on one mix of programs.
 
-use super::nominal::Shop;
-use super::visit::Visits;
 use std::collections::BTreeMap;
+use toolroom_nominal::shop::{Program, Shop, Visits};
 
 /// Key figures of an event log, on a given mix of programs: two logs of different jobs compare.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,7 +30,8 @@ impl ShopKpi {
         for visit in &seen.list {
             let changes: f64 = visit.changes.iter().chain(&visit.holds).chain(&visit.stops).sum();
             let name = seen.programs[visit.program].as_str();
-            let pace = shop.programs.get(name).map_or(1.0, |own| own.pace_on(&seen.machines[visit.machine]));
+            let of_one = |own: &Program| visit.times(own.pieces) * own.pace_on(&seen.machines[visit.machine]);
+            let pace = shop.programs.get(name).map_or(1.0, of_one);
             let [sum, paces, visits] = occupied.entry(name).or_default();
             *sum += visit.cutting + visit.handling + visit.setup + changes;
             *paces += pace;
