@@ -53,7 +53,10 @@ struct Held<'a> {
 impl<'a> Held<'a> {
     fn new(gram: &Gram, fold: &'a Fold, at: &[usize]) -> Self {
         let mut places = vec![None; gram.total.ncols()];
-        at.iter().enumerate().for_each(|(place, column)| places[*column] = Some(place));
+        for (place, column) in at.iter().enumerate() {
+            debug_assert!(places[*column].is_none(), "a column that is twice in a model");
+            places[*column] = Some(place);
+        }
         let row = |(own, column): (usize, &usize)| Some((places[*column]?, own));
         let rows = fold.at.iter().enumerate().filter_map(row).collect();
         Self { fold, rows, residual: fold.at.binary_search(&gram.last()).ok() }

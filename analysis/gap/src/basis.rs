@@ -132,7 +132,7 @@ pub(super) fn warm(model: &dyn Forward, mut point: Point) -> Point {
 /// Columns with their prior precisions, those that end together side by side: most of a factor of their normal equations is
 /// zero then.
 fn by_end(mut columns: Vec<(f64, &[f64])>) -> (Vec<f64>, Vec<&[f64]>) {
-    columns.sort_by_key(|(_, column)| column.iter().rposition(|value| *value != 0.0));
+    columns.sort_by_cached_key(|(_, column)| column.iter().rposition(|value| *value != 0.0));
     columns.into_iter().unzip()
 }
 

@@ -17,8 +17,10 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
+use std::borrow::Cow;
 use std::ops::Range;
 use toolroom_fit_test::{Channel, Design, Group, Judged, Statistic, Statistics, Structured, interpolated, judge};
+use toolroom_nominal::features::standardised;
 
 /// Drawn data sets, where the answer is not clear without (count). Derivation: probabilities down to 0.001.
 const DRAWS: usize = 999;
@@ -368,7 +370,7 @@ impl<'a> Test<'a> {
         critical: f64,
     ) -> f64 {
         let frame = self.model.frame();
-        let values = &frame.covariates[along].values;
+        let values = about_mean(&frame.covariates[along]);
         let drift = |each: &super::Observation| if each.channel == *channel { values[each.row] } else { 0.0 };
         let drift: Vec<f64> = frame.measured.observations.iter().map(drift).collect();
         let drift = self.noise.whiten(&frame.measured, &drift);
@@ -448,9 +450,15 @@ fn channel_of(
         groups.push(first..locals.len());
     }
     let covariate = |covariate: &super::Covariate| -> Vec<f64> {
-        locals.iter().map(|row| covariate.values[measured.observations[places[*row]].row]).collect()
+        let values = about_mean(covariate);
+        locals.iter().map(|row| values[measured.observations[places[*row]].row]).collect()
     };
     let covariates = model.frame().covariates.iter().map(covariate).collect();
     let own_scale = measured.unstated[channel];
     (channel, locals, Channel { own_scale, ..Channel::new(groups, covariates) })
+}
+
+/// The covariate about its mean, so that what all readings have in common follows none.
+fn about_mean(covariate: &super::Covariate) -> Cow<'_, [f64]> {
+    standardised(&covariate.values).map_or(Cow::Borrowed(&covariate.values), Cow::Owned)
 }

@@ -74,6 +74,8 @@ pub enum PieceTimes {
     Alike,
     /// All of them take one time.
     Together,
+    /// All that a batch machine works on together takes one time.
+    OfBatch,
     /// Each has a time of its own, or some pass by.
     Own,
 }

@@ -118,9 +118,10 @@ impl Operation {
     pub fn piece_times(&self) -> PieceTimes {
         let plain = matches!(self.work, Work::Plain(_));
         match (self.work_per, self.draw) {
-            (WorkPer::Lot | WorkPer::Batch, _) if plain => PieceTimes::Together,
+            (WorkPer::Lot, _) if plain => PieceTimes::Together,
+            (WorkPer::Batch, _) if plain => PieceTimes::OfBatch,
             (WorkPer::Part, DrawUnit::Part) if plain => PieceTimes::Own,
-            (WorkPer::Part | WorkPer::Lot | WorkPer::Batch, _) if self.inspection.sample.is_some() => PieceTimes::Own,
+            (WorkPer::Part | WorkPer::Lot | WorkPer::Batch, _) if self.inspection.passes_by() => PieceTimes::Own,
             (WorkPer::Part | WorkPer::Lot | WorkPer::Batch, _) => PieceTimes::Alike,
         }
     }

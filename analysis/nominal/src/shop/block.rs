@@ -112,15 +112,15 @@ fn single(blocks: &[Vec<f64>], scatter: impl Fn(Vec<f64>) -> f64) -> f64 {
 /// The operations whose times are compared. Pieces of an order that move one by one have one time if that is drawn for the
 /// order: they say no more than the first of them. Of several pieces with times of their own only a sum was seen.
 fn compared<'a>(shop: &Shop, seen: &'a Visits) -> Vec<&'a Visit> {
-    let mut known: BTreeSet<(&str, usize)> = BTreeSet::new();
+    let mut known: BTreeSet<(&str, usize, usize)> = BTreeSet::new();
     let mut compared = Vec::new();
     for visit in &seen.list {
         let plain = shop.programs.get(&seen.programs[visit.program]).filter(|program| program.law.is_some());
         let says_something = match plain.map(|program| program.pieces) {
-            None => true,
+            None | Some(PieceTimes::OfBatch) => true,
             Some(PieceTimes::Own) => visit.pieces <= 1.0,
             Some(PieceTimes::Alike | PieceTimes::Together) => {
-                visit.order.is_empty() || known.insert((&visit.order, visit.program))
+                visit.order.is_empty() || known.insert((&visit.order, visit.program, visit.machine))
             }
         };
         compared.extend(says_something.then_some(visit));
@@ -202,8 +202,7 @@ impl Blocks {
         };
         let in_cut = |visit: &Visit| piece_time(shop, seen, visit, false);
         let at_full_feed = |visit: &Visit| piece_time(shop, seen, visit, true);
-        let handled_in =
-            |visit: &Visit| visit.handling / visit.times(pieces_of(shop.programs.get(&seen.programs[visit.program])));
+        let handled_in = |visit: &Visit| visit.handling / visit.pieces;
         for ((machine, _, program, _), at) in &pooled {
             let cut = logarithms(at, &at_full_feed);
             let middle = median(&mut cut.clone());

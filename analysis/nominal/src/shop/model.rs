@@ -260,10 +260,10 @@ impl ShopModel {
             }
         }
         surfaces.retain(|surface| !surface.channels.is_empty());
-        // Constants of one machine stand together and those of all machines last: most of a factor of their normal equations
-        // is zero then.
+        // By the last group that they move, those of all machines are at the end: most of a factor of their normal equations is
+        // zero then.
         let groups = &self.frame.measured.group_of_row;
-        surfaces.sort_by_key(|surface| {
+        surfaces.sort_by_cached_key(|surface| {
             surface.feature.iter().zip(groups).filter(|(x, _)| **x != 0.0).map(|own| own.1).max()
         });
         self.frame.families = families(
@@ -460,7 +460,8 @@ const SLIPS: [(f64, &str); 3] =
 fn unit_slip(shop: &Shop, visits: &Visits) -> Option<String> {
     let ratio = |visit: &super::Visit| {
         let program = shop.programs.get(&visits.programs[visit.program])?;
-        Some(visit.cutting / (program.pace_on(&visits.machines[visit.machine]) * program.time))
+        let pieces = visit.times(program.pieces);
+        Some(visit.cutting / (pieces * program.pace_on(&visits.machines[visit.machine]) * program.time))
     };
     let mut ratios: Vec<f64> = visits.list.iter().filter_map(ratio).collect();
     let ratio = median(&mut ratios);
@@ -471,7 +472,7 @@ fn unit_slip(shop: &Shop, visits: &Visits) -> Option<String> {
     let slip =
         SLIPS.iter().find(|(factor, _)| near(*factor)).map_or_else(String::new, |(_, what)| format!(" ({what}?)"));
     Some(format!(
-        "times in cut are {ratio:.3} times the programmed ones: nothing is compared, check the unit of `time`{slip}; programs are \
-         those of one piece, and jobs of several are not compared"
+        "times in cut are {ratio:.3} times the programmed ones: nothing is compared, check the unit of `time`{slip}, \
+         and `quantity` where jobs have several pieces"
     ))
 }

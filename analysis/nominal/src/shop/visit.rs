@@ -100,7 +100,7 @@ impl Visit {
     pub fn times(&self, pieces: PieceTimes) -> f64 {
         match pieces {
             PieceTimes::Alike | PieceTimes::Own => self.pieces,
-            PieceTimes::Together => 1.0,
+            PieceTimes::Together | PieceTimes::OfBatch => 1.0,
         }
     }
 }
